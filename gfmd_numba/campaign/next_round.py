@@ -7,9 +7,9 @@ If the extrapolation of a group leaves more than 0.7 of the target open, finer l
 the next round has more surfaces where these alone are expected to reach the target and finer levels would add more
 than half of their price; otherwise finer levels (`_decided`).
 
-Decisions follow from the predicted error, hence from
-the covariance of all results. The rounds are few and each is much larger than the one before, so that stopping hardly
-biases a mean (Collier, Haji-Ali, Nobile, von Schwerin & Tempone 2015 lower their tolerance in the same way).
+Decisions follow from the predicted error, hence from the covariance of all results. The rounds are few and each is much
+larger than the one before, so that stopping hardly biases a mean (Collier, Haji-Ali, Nobile, von Schwerin & Tempone
+2015 lower their tolerance in the same way).
 """
 
 from collections.abc import Mapping, Sequence

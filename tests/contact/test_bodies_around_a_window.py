@@ -48,7 +48,7 @@ def solved(bodies, heights, load, **more):
 @pytest.mark.filterwarnings("ignore:the heights jump")
 @pytest.mark.parametrize(("dimension", "periodic"), [(1, False), (2, False), (2, "y")])
 def test_two_half_spaces_give_way_as_one_of_their_reduced_modulus_and_each_by_its_share(dimension, periodic):
-    heights, load = 0.05 * rough(32, dimension), 0.001
+    heights, load = 0.05 * rough(16 if periodic else 32, dimension), 0.001
     two = solved({"body": SOFT, "counter_body": HARD}, heights, load, periodic=periodic)
     body = {"youngs_modulus": MODULUS * 0.91, "poissons_ratio": 0.3}
     one = solved({"body": body}, heights, load, periodic=periodic)

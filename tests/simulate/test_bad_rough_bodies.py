@@ -37,7 +37,8 @@ def film(folder, order, amplitude=0.02, thickness=0.05):
 
 def test_waves_no_shorter_than_2_pi_thicknesses_change_that_of_a_film():
     x = 2.0 * np.pi * np.arange(64) / 64
-    body = RoughBody(elastic=ElasticBody(0.3, 0.1), share=1.0, heights=0.01 * np.cos(x) + 0.02 * np.cos(2.0 * x))
+    elastic, heights = ElasticBody(0.3, 0.1), 0.01 * np.cos(x) + 0.02 * np.cos(2.0 * x)
+    body = RoughBody(elastic=elastic, compliance_fraction=1.0, heights=heights)
     assert change_of_thickness(body) == pytest.approx(0.1)
 
 

@@ -266,4 +266,4 @@ def test_the_work_is_the_change_of_the_quadratic_energy(kernel):
     quadratic = [0.5 * each @ matrix @ each - load @ each for each in (u, trial)]
     assert work == pytest.approx(quadratic[1] - quadratic[0])
     assert slope == pytest.approx((trial - u) @ (restoring - load))
-    assert size >= abs(work)
+    assert size == pytest.approx(abs((trial - u) * (0.5 * matrix @ (u + trial) - load)).sum())

@@ -36,7 +36,8 @@ _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 _DECIMAL_COMMA = re.compile(r"\s*\d+,\d+\s*[^\d\s,.:eE][^,:]*")  # or two values, of which the second has a unit
 _NUMBER_AND_UNIT = re.compile(rf"{_NUMBER.pattern}\s*(?P<unit>[^\d\s,.].*)")
 _ARGUMENTS = {"body": "--body", "x": "--x", "y": "--y", "planes": "--plane"}  # of `gfmd_numba.body_fields`
-_ARGUMENTS |= {name: f"--{name}" for name in ("viscosity", "pressure", "seal", "seal[0]", "seal[1]", "conductivity")}
+_ARGUMENTS |= {name: f"--{name}" for name in ("viscosity", "pressure", "seal", "conductivity")}
+_ARGUMENTS |= {name: f"--{name}" for name in ("loads", "times", "speeds", "realisations")}
 
 
 @main.command()
@@ -242,7 +243,8 @@ def curve(
     check_output(output, file, *input_files(described))
     for path in (picture, table):
         check_output(path, file, *input_files(described), suffixes=[path.suffix])
-    asked = read_curve(described, document, what, values, realisations)
+    with arguments.told_as(_ARGUMENTS):
+        asked = read_curve(described, document, what, values, realisations)
     solved: list[xr.Dataset] = []
     try:
         with waiting(f"solving {what}", len(asked.loads) * realisations) as advance:

@@ -286,6 +286,8 @@ def validate(document: Document, model: type[Record]) -> Record:
     except ValidationError as error:
         schema = _schema(model)
         faults = error.errors(include_url=False)
+        within = {fault["loc"][:-1] for fault in faults}  # a list of nothing but wrong items is not too short
+        faults = [fault for fault in faults if not (fault["type"] == "too_short" and fault["loc"] in within)]
         said = (_fault(document, schema, fault) for fault in faults[:MOST_LINES])
         raise InputError(*said, more=len(faults[MOST_LINES:])) from None
 

@@ -19,7 +19,7 @@ from gfmd_numba.cli.fits import naming
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main
 from gfmd_numba.cli.mpi import mpi_option, of_the_first
 from gfmd_numba.cli.outputs import check_output, companion, pictures, say_written, write, write_picture
-from gfmd_numba.cli.tables import columns_of_measures, endings, named, of_results, over, unit, unit_of
+from gfmd_numba.cli.tables import columns_of_measures, endings, named, of_results, over, states, unit, unit_of
 from gfmd_numba.cli.terminal import say, say_doubts, tell, waiting, warn
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.numbers import with_prefix
@@ -75,7 +75,7 @@ def solve(file: Path, threads: int | None, mpi: Communicator | None, output: Pat
     if int(last["status"]):
         number, n_steps = steps.sizes["step"] - 1, len(described.path)
         where = f" in step {number} of {n_steps}, which ends the path" if n_steps else ""
-        meaning = last["status"].attrs["flag_meanings"].split()[int(last["status"])]
+        meaning = states(last["status"])[int(last["status"])]
         ending = f"{meaning} after {int(last['n_iterations'])} iterations"
         if meaning in ("steps_used_up", "stagnated"):
             ending += f" at a residual of {float(last['residual']):.1e}"

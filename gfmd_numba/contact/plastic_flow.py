@@ -95,7 +95,7 @@ def _increment(problem: Problem, state: State, strain: Reals) -> Contact:
         is_last = residual <= bound  # the last step is not mixed: it leaves nothing where nothing yields
         strain = returned if is_last else mixing.next(strain, returned)
     else:
-        found.equilibrium.status[0] = Status.steps_used_up
+        found.equilibrium.status[0] = Status.flows_on
     added = equivalent(strain - start.strain) / 1.5
     flow = Flow(body, strain, start.equivalent + added, out, residual)
     counted = replace(found.equilibrium, n_transforms=transforms, n_iterations=iterations)

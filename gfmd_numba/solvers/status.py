@@ -19,6 +19,7 @@ class Status(IntEnum):
     no_equilibrium = 4
     unstable = 5
     nonfinite = 6
+    flows_on = 11
 
 
 SENTENCES: dict[IntEnum, str] = {
@@ -43,6 +44,11 @@ SENTENCES: dict[IntEnum, str] = {
     Status.unstable: "Tractions grew without bound: lower numerics.time_step.",
     Status.nonfinite: (
         "A traction was no finite number: look for heights, loads or stiffnesses beyond the range of numbers."
+    ),
+    Status.flows_on: (
+        "The plastic flow inside the body came to no rest in the iterations of an increment, as it hardly does where "
+        "the body nearly yields at all depths, or strains are large: press less, give the plasticity a hardening or "
+        "more increments, or raise numerics.residual."
     ),
 }
 

@@ -52,6 +52,10 @@ CAMPAIGNS = {
         "'reference', 'limits', 'grid', 'levels', 'numerics', 'path', 'fit', 'target', 'case_timeout'; "
         "'eps_c' belongs to realisations or reference or limits or grid or fit.fixed",
     ),
+    "axis by the key of its record": (
+        ("grid: {hurst", "grid: {coefficient: [0.1], hurst"),
+        "'coefficient' belongs to scene.interface.friction; did you mean 'friction_coefficient'?",
+    ),
     "unknown axis": (
         ("grid: {hurst", "grid: {hurts"),
         "bad.yaml:11:8: grid.hurts: you gave an unknown key; gfmd allows one of 'file', 'hurst', ",

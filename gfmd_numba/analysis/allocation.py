@@ -87,26 +87,22 @@ def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], variable: st
     )
 
 
-def _relative_errors(ensemble: _Ensemble, counts: Reals) -> tuple[float, float]:
-    """Return the relative error of the TFC limit of nested realisations, and what it were at exponents well known."""
+def _relative_error(ensemble: _Ensemble, counts: Reals, known_exponents: bool = False) -> float:
+    """Return the relative error of the TFC limit of nested realisations, or what it were at exponents well known."""
     asked = counts[ensemble.level]
-    information = np.zeros_like(ensemble.covariance)
-    before = 0.0
-    for count in np.unique(asked[asked > 0]):
-        there = np.flatnonzero(asked >= count)
-        information[np.ix_(there, there)] += (count - before) * np.linalg.inv(ensemble.covariance[np.ix_(there, there)])
-        before = count
-    fewest = asked[asked > 0].min()
+    nested = np.argsort(-asked, kind="stable")[: np.count_nonzero(asked)]  # a realisation has the first of these cases
+    asked = asked[nested]
+    # of the inverse covariances of the first cases, each row of the inverse factor is in those of as many realisations
+    whitener = np.linalg.inv(np.linalg.cholesky(ensemble.covariance[np.ix_(nested, nested)]))
+    information = (whitener.T * asked) @ whitener
     # how dear levels go with the cheap ones is told by few surfaces (Lavenberg and Welch 1981)
-    dear = asked[(asked > 0) & (asked < before)]
-    controlled = (fewest / dear).sum()
+    fewest = asked[-1]
+    controlled = (fewest / asked[asked < asked[0]]).sum()
     information /= ensemble.doubt * (fewest - 2) / max(1.0, fewest - controlled - 2)
-    variances = []
-    for columns in (ensemble.columns, np.hstack([ensemble.columns, ensemble.slopes])):
-        known = np.diag(ensemble.known[: columns.shape[1]])
-        variances.append(np.linalg.pinv(columns.T @ information @ columns + known, hermitian=True)[0, 0])
-    of_surfaces, error = np.sqrt(variances) / abs(ensemble.kappa)
-    return float(error), float(of_surfaces)
+    columns = ensemble.columns if known_exponents else np.hstack([ensemble.columns, ensemble.slopes])
+    columns, known = columns[nested], np.diag(ensemble.known[: columns.shape[1]])
+    variance = np.linalg.pinv(columns.T @ information @ columns + known, hermitian=True)[0, 0]
+    return float(np.sqrt(variance) / abs(ensemble.kappa))
 
 
 _WELL_KNOWN = 1e8  # one over the variance of an interaction, in units of its likely scatter
@@ -134,12 +130,12 @@ def _predicted(ensemble: _Ensemble, counts: Reals) -> Prediction:
     factor = float(np.sqrt(ensemble.freedom / scipy.special.chdtri(ensemble.freedom, _OF_THE_FACTOR)))
     # the doubt is about the scatter of surfaces, not about what is known before
     sober = replace(ensemble, doubt=factor**2)
-    error, of_surfaces = _relative_errors(sober, counts)
-    caution = _relative_errors(ensemble, counts)[0] / error
+    error, of_surfaces = (_relative_error(sober, counts, known_exponents) for known_exponents in (False, True))
+    caution = _relative_error(ensemble, counts) / error
     known = ensemble.known.copy()
     coefficients = known[: ensemble.columns.shape[1]]
     coefficients[coefficients > 0] = _WELL_KNOWN
-    additive = _relative_errors(replace(sober, known=known), counts)[0]  # with the interactions known
+    additive = _relative_error(replace(sober, known=known), counts)  # with the interactions known
     exponents, interactions = (float(np.sqrt(max(0.0, error**2 - less**2))) for less in (of_surfaces, additive))
     return Prediction(error, exponents, interactions, factor, caution)
 
@@ -158,7 +154,7 @@ class _Choice:
 
     def error(self, counts: Reals) -> float:
         """Relative error of the group that has the largest."""
-        return max(_relative_errors(ensemble, counts)[0] for ensemble in self.ensembles)
+        return max(_relative_error(ensemble, counts) for ensemble in self.ensembles)
 
 
 @dataclass(frozen=True)

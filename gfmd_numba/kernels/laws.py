@@ -9,10 +9,10 @@ from gfmd_numba.kernels.contact_conditions import SurfaceState
 
 @jit
 def exponential_pull(
-    state: SurfaceState, punch: Reals, active: Indices, n: int, strength: float, length: float
+    u: Reals, ku: Reals, punch: Reals, active: Indices, n: int, strength: float, length: float
 ) -> None:
-    """Take the traction strength * exp(-gap / length) towards the punch (6.110) off the restoring one of a state."""
-    u, ku, normal = state.u, state.ku, state.u.shape[1] - 1
+    """Take the traction strength * exp(-gap / length) towards the punch (6.110) off the normal restoring traction."""
+    normal = u.shape[1] - 1
     for i in active:
         for j in range(n):
             ku[i, normal, j] -= strength * np.exp((u[i, normal, j] - punch[i, j]) / length)

@@ -167,6 +167,6 @@ class Dynamics:
     def _restore(self, active: Indices) -> None:
         self._products.restore(active)
         if self._law is not None:
-            self._law.pull(self.state, self._punch, active, self.field.n)
+            self._law.pull(self.state.u, self.state.ku, self._punch, active, self.field.n)
         if self._cohesive is not None:
             self._cohesive.pull(self.state, self._punch, self._sliding, active, self.field.n)

@@ -129,7 +129,7 @@ def test_the_kernel_is_the_law(kernel):
     (u, ku), punch = np.random.default_rng(0).normal(size=(2, 3, 2, 16)), np.linspace(-1, 1, 48).reshape(3, 16)
     law, expected = ExponentialLaw(0.3, 0.7), ku.copy()
     expected[[0, 2], 1, :13] -= law.traction(punch - u[:, 1])[[0, 2], :13]
-    kernel(kernels.SurfaceState(u, ku, punch, np.zeros(3), u[:, :1]), punch, np.array([0, 2]), 13, 0.3 / 0.7, 0.7)
+    kernel(u, ku, punch, np.array([0, 2]), 13, 0.3 / 0.7, 0.7)
     np.testing.assert_allclose(ku, expected, rtol=1e-13)
 
 

@@ -27,15 +27,15 @@ _REFERENCE: Level = ("reference", ())
 
 @dataclass(frozen=True)
 class _Ensemble:
-    """What results say of one group, or of one step of its path."""
+    """Statistics of the results of one group, or of one step of its path."""
 
     covariance: Reals  # (case, case) of one realisation
     columns: Reals  # (case, coefficient) of the fit at the likeliest laws
     slopes: Reals  # (case, parameter) derivatives to the parameters of the laws
-    known: Reals  # (coefficient and parameter) what is known of each before the campaign: 1 / variance
+    prior_precision: Reals  # (coefficient and parameter) one over the variance of each before the campaign
     level: NDArray[np.intp]  # (case)
     kappa: float
-    doubt: float  # factor on variances
+    variance_factor: float  # on the covariance, which a pilot knows roughly
     freedom: float  # degrees of freedom of the variance of kappa
 
 
@@ -71,18 +71,18 @@ def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], variable: st
     means = means_of(group, values)
     found = [weighed([means], laws) for laws in choices(list(group.levels), [group], given)]
     likeliest = max(found, key=lambda choice: choice.log_weight.max())
-    columns, slopes, known, kappa = linearised(means, likeliest)
+    columns, slopes, prior_precision, kappa = linearised(means, likeliest)
     covariance = pooled_covariance(values)
     freedom = degrees_of_freedom(values, covariance, columns)
     return _Ensemble(
         covariance=covariance,
         columns=columns,
         slopes=slopes,
-        known=known,
+        prior_precision=prior_precision,
         level=level,
         kappa=kappa,
         # levels' shares are chosen by it, too
-        doubt=float((freedom + len(level) - 1) / scipy.special.chdtri(freedom, _CONFIDENCE)),
+        variance_factor=float((freedom + len(level) - 1) / scipy.special.chdtri(freedom, _CONFIDENCE)),
         freedom=freedom,
     )
 
@@ -98,10 +98,10 @@ def _relative_error(ensemble: _Ensemble, counts: Reals, known_exponents: bool = 
     # how dear levels go with the cheap ones is told by few surfaces (Lavenberg and Welch 1981)
     fewest = asked[-1]
     controlled = (fewest / asked[asked < asked[0]]).sum()
-    information /= ensemble.doubt * (fewest - 2) / max(1.0, fewest - controlled - 2)
+    information /= ensemble.variance_factor * (fewest - 2) / max(1.0, fewest - controlled - 2)
     columns = ensemble.columns if known_exponents else np.hstack([ensemble.columns, ensemble.slopes])
-    columns, known = columns[nested], np.diag(ensemble.known[: columns.shape[1]])
-    variance = np.linalg.pinv(columns.T @ information @ columns + known, hermitian=True)[0, 0]
+    columns, prior_precision = columns[nested], np.diag(ensemble.prior_precision[: columns.shape[1]])
+    variance = np.linalg.pinv(columns.T @ information @ columns + prior_precision, hermitian=True)[0, 0]
     return float(np.sqrt(variance) / abs(ensemble.kappa))
 
 
@@ -113,9 +113,9 @@ _OF_THE_FACTOR = 0.9  # with which the true error of a fit is no larger than the
 class Prediction:
     """Relative error of the TFC limit to expect of one group, times the `factor`.
 
-    `exponents` and `interactions` are the parts of it, in quadrature, that would go if these were known. The factor is
-    the one on a fit's error that allows for its own uncertainty. `caution` is how much larger the error is that
-    `cheapest_design` promises: a design is chosen once, where a run can go on.
+    `exponents` and `interactions` are the parts of the error, in quadrature, that would vanish if these were known. The
+    factor allows for the uncertainty of the error of a fit itself. `caution` is the ratio of the error that
+    `cheapest_design` promises to this one: a design is chosen once, where a run can go on.
     """
 
     error: float
@@ -128,14 +128,14 @@ class Prediction:
 def _predicted(ensemble: _Ensemble, counts: Reals) -> Prediction:
     """Error of one group for numbers of realisations (level)."""
     factor = float(np.sqrt(ensemble.freedom / scipy.special.chdtri(ensemble.freedom, _OF_THE_FACTOR)))
-    # the doubt is about the scatter of surfaces, not about what is known before
-    sober = replace(ensemble, doubt=factor**2)
+    # the factor is on the scatter of surfaces, not on the prior
+    sober = replace(ensemble, variance_factor=factor**2)
     error, of_surfaces = (_relative_error(sober, counts, known_exponents) for known_exponents in (False, True))
     caution = _relative_error(ensemble, counts) / error
-    known = ensemble.known.copy()
-    coefficients = known[: ensemble.columns.shape[1]]
+    prior_precision = ensemble.prior_precision.copy()
+    coefficients = prior_precision[: ensemble.columns.shape[1]]
     coefficients[coefficients > 0] = _WELL_KNOWN
-    additive = _relative_error(replace(sober, known=known), counts)  # with the interactions known
+    additive = _relative_error(replace(sober, prior_precision=prior_precision), counts)  # with interactions known
     exponents, interactions = (float(np.sqrt(max(0.0, error**2 - less**2))) for less in (of_surfaces, additive))
     return Prediction(error, exponents, interactions, factor, caution)
 

@@ -50,6 +50,6 @@ class ExponentialLaw(LawOfRange):
         strongest = min(pressure, -self.strength) if hard_wall else pressure
         return max(strongest, 0.0) / self.length if self.work < 0.0 else 0.0
 
-    def pull(self, u: Reals, ku: Reals, punch: Reals, active: Indices, n: int) -> None:
-        """Take the traction of the law off the normal restoring traction `ku` in the active rows, as compiled."""
-        kernels.exponential_pull(u, ku, punch, active, n, self.strength, self.length)
+    def pull(self, u: Reals, restoring: Reals, punch: Reals, active: Indices, n: int) -> None:
+        """Take the traction of the law off the normal traction `restoring` in the active rows, as compiled."""
+        kernels.exponential_pull(u, restoring, punch, active, n, self.strength, self.length)

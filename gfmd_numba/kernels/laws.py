@@ -9,13 +9,13 @@ from gfmd_numba.kernels.contact_conditions import SurfaceState
 
 @jit
 def exponential_pull(
-    u: Reals, ku: Reals, punch: Reals, active: Indices, n: int, strength: float, length: float
+    u: Reals, restoring: Reals, punch: Reals, active: Indices, n: int, strength: float, length: float
 ) -> None:
     """Take the traction strength * exp(-gap / length) towards the punch (6.110) off the normal restoring traction."""
     normal = u.shape[1] - 1
     for i in active:
         for j in range(n):
-            ku[i, normal, j] -= strength * np.exp((u[i, normal, j] - punch[i, j]) / length)
+            restoring[i, normal, j] -= strength * np.exp((u[i, normal, j] - punch[i, j]) / length)
 
 
 @jit
@@ -33,7 +33,7 @@ def xu_needleman_pull(
 
     `sliding` `[component, x]` is how far the punch has moved over each of the n nodes: in x, and on maps in y.
     """
-    u, ku, along = state.u, state.ku, sliding.shape[0]
+    u, ku, along = state.u, state.restoring, sliding.shape[0]
     for i in active:
         for j in range(n):
             gap = (punch[i, j] - u[i, along, j]) / normal

@@ -102,7 +102,7 @@ def test_more_results_make_a_prediction_surer():
 def test_shares_of_ten_cases_are_chosen_by_a_variance_that_may_be_larger():
     """By as much as 40 results leave open with 98 % confidence, as the errors of fits have noise, too."""
     (ensemble,) = Pilot.of(results([40] * 10, 0), "kappa", ALPHA).ensembles
-    assert ensemble.doubt == pytest.approx(39 / chi2.ppf(0.02, 30))
+    assert ensemble.variance_factor == pytest.approx(39 / chi2.ppf(0.02, 30))
 
 
 def test_too_few_results_predict_nothing():

@@ -1,4 +1,4 @@
-"""Displacements of a profile under tractions where a law holds some nodes: body and law in parallel, no transforms."""
+"""Displacements of a profile under tractions, with a law on some nodes: body and law in parallel, no transforms."""
 
 import numpy as np
 
@@ -18,8 +18,8 @@ class ParallelLaw:
     """Displacements d with (K + D) d = r, nearly, of both components alone, for stiffnesses D >= 0 of the nodes.
 
     With the compliance C = 1/K as a sum of eight decays and A = 1/D, (K + D)^-1 = A - A (C + A)^-1 A, which takes a
-    time linear in the nodes. Nodes that are held have A = 0. What couples the components, and where a law softens, is
-    left to the iteration.
+    time linear in the nodes. Nodes that are held have A = 0. The coupling of the components, and nodes where the law
+    softens, are left to the iteration.
 
     `compliances` `[nx // 2 + 1]` are those of the first and second component, whose values on the n nodes begin at 0
     and at `second` in rows of both.

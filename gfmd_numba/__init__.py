@@ -404,6 +404,7 @@ def fit_tfc(
     import json
 
     from gfmd_numba.analysis import fit_tfc as fit
+    from gfmd_numba.analysis.extrapolation import check_effect
     from gfmd_numba.contact.observables import why_no_limit
     from gfmd_numba.text.input_error import InputError
 
@@ -413,6 +414,8 @@ def fit_tfc(
     own = json.loads(results.attrs.get("fit", "{}"))
     own = json.loads(results.attrs.get("fits_of_targets", "{}")).get(variable, own)
     exponents = own.get("exponents", "shared") if exponents is None else exponents
+    if fixed is not None:
+        check_effect(results, fixed, variable, exponents, omit_nyquist, step)
     return fit(results, variable, exponents, own.get("fixed") if fixed is None else fixed, omit_nyquist, step)
 
 

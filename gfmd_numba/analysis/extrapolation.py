@@ -53,6 +53,7 @@ from gfmd_numba.analysis.limit_errors import Rival
 from gfmd_numba.analysis.selection import LIMITS, Group, fractions, groups_to_fit, joined, processor_time, steps_of
 from gfmd_numba.arrays import Reals
 from gfmd_numba.arrays.threads import one_thread_of_algebra
+from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.numbers import counted, with_error
 from gfmd_numba.text.recorded_scene import asked
 
@@ -112,6 +113,32 @@ def fit_tfc(
         **processor_time(dataset),
         **asked(dataset.attrs),
     )
+
+
+@checked
+def check_effect(
+    dataset: Annotated[xr.Dataset, CAMPAIGN],
+    fixed: Fixed,
+    variable: Variable = "kappa",
+    exponents: Exponents = "shared",
+    omit_nyquist: Flag = True,
+    step: int | None = None,
+) -> None:
+    """Raise InputError for a fixed exponent that no law of a fit has."""
+    given = {limit: exponent_range(value) for limit, value in fixed.items()}
+    members = [each for one in steps_of(dataset, variable, step) for each in groups_to_fit(one, variable, omit_nyquist)]
+    families = [members] if exponents == "shared" else [[member] for member in members]
+
+    def parameters(given: Given) -> list[object]:
+        laws = [each for family in families for each in _choices(family, given)]
+        return [{limit: law.parameters for limit, law in each.items()} for each in laws]
+
+    for name in given:
+        if parameters(given) == parameters({limit: each for limit, each in given.items() if limit != name}):
+            why = "the unseen slope is the law of such steep spectra; a number replaces it by a power"
+            if not any(name in group.levels for group in members):
+                why = "these results have no levels of it"
+            raise InputError.of("fixed", f"an exponent of {name}", f"none for {name}: {why}")
 
 
 def refusals(

@@ -13,7 +13,7 @@ _SUFFIX = ".failed"
 
 
 class Ending(IntEnum):
-    """How a simulation of a campaign ended, if not as a contact does, whose states have the numbers below."""
+    """How a simulation of a campaign ended, if not as a contact does, whose states have other numbers."""
 
     timeout = 7
     crashed = 8

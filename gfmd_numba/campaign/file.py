@@ -139,6 +139,12 @@ class Campaign(BaseModel):
         grid = prod(len(values) for _, values in self.grid if values is not None)
         return grid * (1 + sum(1 for _ in self._levels()))
 
+    @property
+    def varied(self) -> set[str]:
+        """Discretisations of which a fit has several levels."""
+        of_grid = {axis for axis in DISCRETISATIONS if len(getattr(self.grid, axis) or ()) > 1}
+        return of_grid.union(*(values for values, _, _ in self._levels()))
+
     def discretisations(self) -> Iterator[PlacedDiscretisation]:
         """Yield each discretisation: the references, each followed by the levels of its limits."""
         if self.reference is None:
@@ -240,6 +246,9 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
         changed = {**changed, "target": dict(target)}
     asked = documents.validate(replace(document, data=changed), Campaign)
     campaign = _begun(asked)
+    for name, exponent in asked.fit.fixed:
+        if exponent is not None and name not in campaign.varied:
+            raise document.refused(("fit", "fixed", name), f"nothing for {name}, which has no levels under `limits`")
     if not _measured(campaign.scene):  # only its file tells the dimension
         check_scene(document, campaign, campaign.scene)
     check_grid(document, campaign.scene, campaign.grid)
@@ -319,13 +328,17 @@ def _begun(campaign: Campaign) -> Campaign:
     needed = any(surface.needs_discretisation for surface in campaign.scene.surfaces.values())
     if campaign.target is None or not needed:
         return campaign
+    campaign = _with_levels(campaign) if campaign.chooses_levels else campaign
+    usual = campaign.usual_exponents(campaign.fit.variable)
     known = {name: each for name, each in campaign.fit.fixed if each is not None}
-    fixed = FixedExponents.model_validate(campaign.usual_exponents(campaign.fit.variable) | known)
+    fixed = FixedExponents.model_validate({name: usual[name] for name in usual if name in campaign.varied} | known)
     exponents = campaign.fit.exponents if "exponents" in campaign.fit.model_fields_set else "free"
     fit = campaign.fit.model_copy(update={"fixed": fixed, "exponents": exponents})
-    campaign = campaign.model_copy(update={"fit": fit})
-    if not campaign.chooses_levels:
-        return campaign
+    return campaign.model_copy(update={"fit": fit})
+
+
+def _with_levels(campaign: Campaign) -> Campaign:
+    """Return the campaign with the levels that a run begins with."""
     dimension = campaign.scene.dimension
     surfaces = campaign.scene.surfaces.values()
     anisotropies = values_of(campaign.grid, "anisotropy") or [getattr(each, "anisotropy", None) for each in surfaces]

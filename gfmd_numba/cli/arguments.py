@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from math import inf
@@ -13,6 +14,8 @@ import click
 from gfmd_numba.text.input_error import InputError
 
 Fixed = tuple[str, float | tuple[float, float]]
+
+_ARGUMENT = re.compile(r"^\w+(?=(\[\d+\])?: you gave )")
 
 NEW_FILE = click.Path(dir_okay=False, path_type=Path)
 file_argument = click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
@@ -45,8 +48,7 @@ def told_as(names: Mapping[str, str]) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        parts = (str(line).partition(":") for line in error.args)
-        lines = (f"{names.get(argument, argument)}{colon}{said}" for argument, colon, said in parts)
+        lines = (_ARGUMENT.sub(lambda found: names.get(found[0], found[0]), str(line)) for line in error.args)
         raise InputError(*lines, more=error.more) from None
 
 

@@ -19,7 +19,7 @@ from gfmd_numba.cli.fits import naming
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main
 from gfmd_numba.cli.mpi import mpi_option, of_the_first
 from gfmd_numba.cli.outputs import check_output, companion, pictures, say_written, write, write_picture
-from gfmd_numba.cli.tables import columns_of_measures, endings, named, of_results, over, unit, unit_of
+from gfmd_numba.cli.tables import columns_of_measures, endings, named, of_results, over, states, unit, unit_of
 from gfmd_numba.cli.terminal import say, say_doubts, tell, waiting, warn
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.numbers import with_prefix
@@ -36,7 +36,8 @@ _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 _DECIMAL_COMMA = re.compile(r"\s*\d+,\d+\s*[^\d\s,.:eE][^,:]*")  # or two values, of which the second has a unit
 _NUMBER_AND_UNIT = re.compile(rf"{_NUMBER.pattern}\s*(?P<unit>[^\d\s,.].*)")
 _ARGUMENTS = {"body": "--body", "x": "--x", "y": "--y", "planes": "--plane"}  # of `gfmd_numba.body_fields`
-_ARGUMENTS |= {name: f"--{name}" for name in ("viscosity", "pressure", "seal", "seal[0]", "seal[1]", "conductivity")}
+_ARGUMENTS |= {name: f"--{name}" for name in ("viscosity", "pressure", "seal", "conductivity")}
+_ARGUMENTS |= {name: f"--{name}" for name in ("loads", "times", "speeds", "realisations")}
 
 
 @main.command()
@@ -74,7 +75,7 @@ def solve(file: Path, threads: int | None, mpi: Communicator | None, output: Pat
     if int(last["status"]):
         number, n_steps = steps.sizes["step"] - 1, len(described.path)
         where = f" in step {number} of {n_steps}, which ends the path" if n_steps else ""
-        meaning = last["status"].attrs["flag_meanings"].split()[int(last["status"])]
+        meaning = states(last["status"])[int(last["status"])]
         ending = f"{meaning} after {int(last['n_iterations'])} iterations"
         if meaning in ("steps_used_up", "stagnated"):
             ending += f" at a residual of {float(last['residual']):.1e}"
@@ -242,7 +243,8 @@ def curve(
     check_output(output, file, *input_files(described))
     for path in (picture, table):
         check_output(path, file, *input_files(described), suffixes=[path.suffix])
-    asked = read_curve(described, document, what, values, realisations)
+    with arguments.told_as(_ARGUMENTS):
+        asked = read_curve(described, document, what, values, realisations)
     solved: list[xr.Dataset] = []
     try:
         with waiting(f"solving {what}", len(asked.loads) * realisations) as advance:

@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gfmd_numba.cli import outputs
-from gfmd_numba.cli.arguments import NEW_FILE, exponents_option, fixed_option, results_argument, variable_option
+from gfmd_numba.cli.arguments import (
+    NEW_FILE,
+    exponents_option,
+    fixed_option,
+    results_argument,
+    told_as,
+    variable_option,
+)
 from gfmd_numba.cli.group import main
 from gfmd_numba.cli.tables import fit_options, of_fit, of_goal
 from gfmd_numba.cli.terminal import say, tell, waiting
@@ -156,6 +163,11 @@ def naming(file: Path) -> Iterator[None]:
 
 def _fit(dataset: xr.Dataset, **asked: Any) -> xr.Dataset:
     from gfmd_numba.analysis import fit_tfc
+    from gfmd_numba.analysis.extrapolation import check_effect
 
+    options = fit_options(dataset, **asked)
+    if asked["fixed"]:
+        with told_as({"fixed": "--fixed"}):
+            check_effect(dataset, **options | {"fixed": dict(asked["fixed"])})
     with waiting("fitting"):
-        return fit_tfc(dataset, **fit_options(dataset, **asked))
+        return fit_tfc(dataset, **options)

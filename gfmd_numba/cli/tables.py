@@ -412,10 +412,15 @@ def cells_of_parameters(shown: xr.Dataset, dataset: xr.Dataset) -> dict[str, lis
     return _cells(shown, _shown_parameters(dataset) | {limit: limit for limit in LIMITS if limit in dataset.coords})
 
 
+def states(status: xr.DataArray) -> dict[int, str]:
+    """Return the names of the ways in which runs may have ended, by their numbers."""
+    return dict(zip(map(int, status.attrs["flag_values"]), status.attrs["flag_meanings"].split(), strict=True))
+
+
 def endings(status: xr.DataArray) -> list[tuple[str, xr.DataArray, str]]:
     """Return each way in which runs ended that are not ok: its name, which runs did, and its sentence."""
-    told = [line.split(": ", 1) for line in status.attrs["flag_sentences"].splitlines()]
-    found = ((name, status == number, sentence) for number, (name, sentence) in enumerate(told) if number)
+    told = dict(line.split(": ", 1) for line in status.attrs["flag_sentences"].splitlines())
+    found = ((name, status == number, told[name]) for number, name in states(status).items() if number)
     return [each for each in found if each[1].any()]
 
 
@@ -632,9 +637,8 @@ def of_curve(dataset: xr.Dataset) -> Told:
     same = nothing | ({load, "mean_pressure"} if load == "prescribed_pressure" else {load})
     shown = [name for name in ("force", "line_load", *SHOWN) if name in view and name not in same]
     values = dict(column(view, name) for name in shown)
-    states = dataset["status"].attrs["flag_meanings"].split()
     if dataset["status"].any():
-        values["status"] = [states[int(status)] for status in dataset["status"]]
+        values["status"] = [states(dataset["status"])[int(status)] for status in dataset["status"]]
     if int(dataset["n_realisations"].max()) > 1:
         values["surfaces"] = [str(int(count)) for count in dataset["n_realisations"]]
     heading, loads = column(view, load)

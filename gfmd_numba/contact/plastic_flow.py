@@ -184,7 +184,7 @@ def _increment(problem: Problem, state: State, solve: Solve, strain: Reals) -> C
         is_last = residual <= bound  # the last step is not mixed: it leaves nothing where nothing yields
         strain = returned if is_last else mixing.next(strain, returned)
     else:
-        failed = withdrawn(found.equilibrium.status, True, Status.steps_used_up)
+        failed = withdrawn(found.equilibrium.status, True, Status.flows_on)
         found = replace(found, equilibrium=replace(found.equilibrium, status=failed))
     added = equivalent(strain - start.strain) / 1.5
     plastic = PlasticState(body, strain, start.equivalent + added, moved, residual)

@@ -284,9 +284,11 @@ class Slopes:
         if self.order == 0 and self.are_inclined:
             level = Pairing.before_contact(self.problem.surface.shape)
             met = self._met(contact, responses, level)
-            both = zip(*(self._moved(contact, responses, each) for each in (level, met)), strict=True)
+            tilted = replace(met, way=level.way)  # places that move along count in the gap, for both bodies alike
+            closer = met.raised - (np.sum(met.slope * met.way, axis=0) if len(self.bodies) > 1 else 0.0)
+            both = zip(*(self._moved(contact, responses, each) for each in (level, tilted)), strict=True)
             moves = (max(abs(a.along - b.along).max(), abs(a.out - b.out).max()) for a, b in both)
-            error += float(max(*moves, abs(met.raised).max()))
+            error += float(max(*moves, abs(closer).max()))
         return error
 
     def _met(self, contact: Contact, responses: Responses, last: Pairing) -> Pairing:

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from gfmd_numba.arrays import Reals
+from gfmd_numba import kernels
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.interface.normal_law import LawOfRange
 
 
@@ -48,3 +49,7 @@ class ExponentialLaw(LawOfRange):
         """Largest stiffness the law adds where it repels with at most `pressure`, or no gap is negative."""
         strongest = min(pressure, -self.strength) if hard_wall else pressure
         return max(strongest, 0.0) / self.length if self.work < 0.0 else 0.0
+
+    def pull(self, u: Reals, restoring: Reals, punch: Reals, active: Indices, n: int) -> None:
+        """Take the traction of the law off the normal traction `restoring` in the active rows, as compiled."""
+        kernels.exponential_pull(u, restoring, punch, active, n, self.strength, self.length)

@@ -3,7 +3,9 @@
 from dataclasses import dataclass
 from typing import Protocol, Self
 
-from gfmd_numba.arrays import Reals
+import numpy as np
+
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.scene.interface_records import LawOfTheGap
 
 
@@ -36,6 +38,14 @@ class NormalLaw(Protocol):
 
     def stiffest(self, pressure: float, hard_wall: bool) -> float:
         """Largest stiffness the law adds where it repels with at most `pressure`, or no gap is negative."""
+
+    def pull(self, u: Reals, restoring: Reals, punch: Reals, active: Indices, n: int) -> None:
+        """Take the traction of the law off the normal traction `restoring` of displacements u in the active rows.
+
+        Both are `[realisation, component, node]`, the `punch` `[realisation, node]`, of which n nodes count.
+        """
+        with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges, as its status says
+            restoring[active, -1, :n] -= self.traction(punch[active, :n] - u[active, -1, :n])
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,21 @@
-"""Compiled tractions of the cohesive law, which damped dynamics ask for in every step."""
+"""Compiled tractions of laws, which damped dynamics ask for in every step."""
 
 import numpy as np
 
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.kernels.compilation import jit
 from gfmd_numba.kernels.contact_conditions import SurfaceState
+
+
+@jit
+def exponential_pull(
+    u: Reals, restoring: Reals, punch: Reals, active: Indices, n: int, strength: float, length: float
+) -> None:
+    """Take the traction strength * exp(-gap / length) towards the punch (6.110) off the normal restoring traction."""
+    normal = u.shape[1] - 1
+    for i in active:
+        for j in range(n):
+            restoring[i, normal, j] -= strength * np.exp((u[i, normal, j] - punch[i, j]) / length)
 
 
 @jit

@@ -21,7 +21,7 @@ from gfmd_numba.roughness.surface_files import content_of, read_content
 from gfmd_numba.scene import Document, Scene
 from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.records import ends_of
-from gfmd_numba.scene.units import METRES, WithUnit, in_unit_of
+from gfmd_numba.scene.units import METRES, PERIOD, WithUnit, in_unit_of
 from gfmd_numba.text.numbers import with_prefix
 from gfmd_numba.text.recorded_scene import KIND
 
@@ -79,10 +79,10 @@ class MeasuredSurface:
         height = float(statistics.rms_height(self.heights, self.lengths))
         gradient = float(statistics.rms_gradient(self.heights, self.lengths, self.ends))
         size = _size(height, self.unit)
-        short = _size(statistics.median_wave(*closed(self.heights, self.lengths, self.ends)), self.unit, 3)
+        short, share = statistics.median_wave(*closed(self.heights, self.lengths, self.ends))
         made = (
-            f"the measured surface has an rms height of {size} and an rms gradient of {gradient:.4g}; waves shorter "
-            f"than {short} make up half of its mean square gradient"
+            f"the measured surface has an rms height of {size} and an rms gradient of {gradient:.4g}; waves of "
+            f"{_size(short, self.unit, 3)} and shorter make up {100.0 * share:.3g} % of its mean square gradient"
         )
         return self.found, *self.done, made if self.has_cutoff else made + _UNCUT
 
@@ -236,6 +236,7 @@ def periodic_surface(
         made.heights, made.lengths, signs, ends, found.units, record.cutoff or 0.0
     )
     doubts += plausibility.of_sizes(signs, made.lengths[-1]) if unit == "m" else ()
+    doubts += plausibility.of_no_unit(signs) if found.unit is None else ()
     if record.points is not None:  # which a map may have more of along one axis, and fewer along the other
         finer = np.divide(made.heights.shape, made.lengths) > np.divide(heights.shape, sizes)
         doubts += (_RINGS,) * bool(finer.any() and record.cutoff is None and _is_sharp(heights))
@@ -265,7 +266,7 @@ def _found(found: Measurement, sizes: tuple[float, ...], unit: str) -> str:
             (_size(length, unit) for length in sizes[::-1]),
         )
     )
-    heights = f"heights in {found.units['z']}" if "z" in found.units else "heights"
+    heights = f"heights in {found.units.get('z', PERIOD)}"
     return f"found {points} {heights}, {spacing} apart, over {size}"
 
 

@@ -29,6 +29,7 @@ LONGEST = 10.0  # m: of profilometers and microscopes none sees as far
 GRADIENT = 0.3  # sin(x), tan(x) and x differ by 3 to 5 per cent: the elasticity is linear in slopes
 SMOOTHEST = 2e-4  # rms gradient: polished steel, silicon and glass have more, between neighbours of micrometres
 ATOM = 1e-10  # m
+_OF_METRES = (1e-8, 1e-3)  # rms gradient in L_x of heights in m: of 0.01 on fields of 1 um to 0.1 on those of 1 cm
 FILLED = 0.05  # of all heights: as much of the contact may lie where nothing was measured
 _STEP_WIDTHS = (1, 4, 16)  # points whose means are compared on both sides of a place
 _STEP_STANDARDS = 8.0  # standard differences of such means
@@ -208,6 +209,16 @@ def of_sizes(signs: Signs, length: float) -> tuple[str, ...]:
     elif 0.0 < signs.range < ATOM:
         found.append(f"heights that range over {signs.range:.2g} m, less than an atom: check their units")
     return tuple(found)
+
+
+def of_no_unit(signs: Signs) -> tuple[str, ...]:
+    """Sentence about heights that look like metres, but count in periods, as nobody stated a unit."""
+    if not _OF_METRES[0] < signs.rms_gradient < _OF_METRES[1]:
+        return ()
+    return (
+        f"an rms gradient of {signs.rms_gradient:.2g} between neighbours, because heights without a unit count in "
+        "periods: if they are in m, write units: {z: m} and the length; if not, units: {z: L_x}",
+    )
 
 
 def offsets(level: Reals) -> list[tuple[int, int, float]]:

@@ -13,6 +13,7 @@ from gfmd_numba.roughness.form import polynomial
 from gfmd_numba.roughness.measurements import Measurement, place
 from gfmd_numba.scene.checks import arrays_per_realisation, beyond_memory
 from gfmd_numba.scene.units import in_unit_of
+from gfmd_numba.text.numbers import counted
 
 Detrend = Literal["none", "mean", "tilt", "curvature"]
 Periodic = Literal["none", "mirror", "window"]
@@ -150,7 +151,8 @@ def fill_gaps(heights: Reals, fill: Fill) -> tuple[Reals, tuple[str, ...]]:
             f"height nan at {place(np.argwhere(missing))}, not a finite number; write fill: interpolate to fill gaps"
         )
     filled, how = interpolated(heights, missing)
-    return filled, (f"filled {int(missing.sum())} missing heights of {heights.size} ({100 * share:.3g} %) {how}",)
+    count = counted(int(missing.sum()), "missing height")
+    return filled, (f"filled {count} of {heights.size} ({100 * share:.3g} %) {how}",)
 
 
 def interpolated(heights: Reals, missing: Flags) -> tuple[Reals, str]:

@@ -82,12 +82,16 @@ def rms_gradient(heights: Reals, lengths: tuple[float, ...] = UNIT, ends: tuple[
     return np.sqrt(spectral_moment(heights, 2, lengths))
 
 
-def median_wave(heights: Reals, lengths: tuple[float, ...] = UNIT) -> float:
-    """Wavelength of which half of the mean square gradient is shorter, to one wave number along the longest period."""
+def median_wave(heights: Reals, lengths: tuple[float, ...] = UNIT) -> tuple[float, float]:
+    """Longest wave that is needed for half of the mean square gradient, and the share of it and all shorter ones.
+
+    To one wave number along the longest period. A pure wave has all of it.
+    """
     q, weight = wavenumbers(heights, lengths), grid.multiplicity(heights.shape[-1])
     ring = np.rint(q * max(lengths) / (2.0 * np.pi)).astype(np.intp)
-    share = np.bincount(ring.ravel(), (weight * q**2 * power(heights, lengths)).ravel()).cumsum()
-    return max(lengths) / max(1, int(np.searchsorted(share, 0.5 * share[-1])))
+    of_longer = np.bincount(ring.ravel(), (weight * q**2 * power(heights, lengths)).ravel()).cumsum()
+    median = max(1, int(np.searchsorted(of_longer, 0.5 * of_longer[-1])))
+    return max(lengths) / median, 1.0 - float(of_longer[median - 1] / of_longer[-1])
 
 
 def scaled_gradient(heights: Reals, ends: tuple[bool, ...] = ()) -> tuple[float, float]:

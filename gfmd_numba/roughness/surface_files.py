@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,7 @@ import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness.measurements import Content, on_a_grid, split_axes
-from gfmd_numba.roughness.surface_text import BYTE_ORDER_MARKS, TextTable, read_rows, read_table
+from gfmd_numba.roughness.surface_text import BYTE_ORDER_MARKS, TextTable, read_rows, read_table, stated_mark
 from gfmd_numba.scene.measured_record import AXES, Heights
 from gfmd_numba.scene.regular_file import UNWRITABLE, can_be_read, check_regular, most_numbers
 from gfmd_numba.scene.units import PERIOD, length_unit
@@ -18,6 +19,8 @@ from gfmd_numba.storage.netcdf_file import TooLargeError, read_dataset
 
 if TYPE_CHECKING:
     import xarray as xr
+
+_SINGLE = float(np.finfo(np.float32).eps)
 
 
 def read_content(path: Path) -> Content:
@@ -83,8 +86,29 @@ def load_netcdf(path: Path) -> "xr.Dataset":
         raise ValueError("no netCDF file, or a damaged one") from None
 
 
+def _values_of_text(path: Path) -> Reals:
+    rows = read_rows(path)
+    return _without_marks(rows.values, stated_mark(rows.header))
+
+
+def _without_marks(values: Reals, mark: float | None) -> Reals:
+    """Values of which those that are the mark of missing ones, to single precision, are not-a-number."""
+    if mark is None:
+        return values
+    return np.where(np.isclose(values, mark, rtol=_SINGLE, atol=0.0), np.nan, values)
+
+
 def _read_text(path: Path) -> Content:
     table = read_table(path)
+    content = _laid_out(table)
+    heights = _without_marks(content.heights, table.mark)
+    if np.isnan(heights).sum() == np.isnan(content.heights).sum():
+        return content
+    done = (*content.done, f"took {table.mark:g} for a missing height, as the header says")
+    return replace(content, heights=heights, done=done)
+
+
+def _laid_out(table: TextTable) -> Content:
     match table.values.shape[1]:
         case 1:
             return _sized(table, table.values.T)
@@ -196,4 +220,4 @@ _READERS: dict[str, Callable[[Path], Content]] = {
     ".txt": _read_text,
     ".nc": _read_netcdf,
 }
-_VALUES: dict[str, Callable[[Path], npt.NDArray[Any]]] = {".npy": read_npy, ".csv": lambda path: read_rows(path).values}
+_VALUES: dict[str, Callable[[Path], npt.NDArray[Any]]] = {".npy": read_npy, ".csv": _values_of_text}

@@ -84,6 +84,12 @@ _SCALE = re.compile(
     rf"|.*?(?P<of>{_AMOUNT})\s*(?P<one>[^\W\d]+\s*(?:/|\bper\b)\s*{_COUNTS}\b)",
     re.IGNORECASE,
 )
+_MARK = re.compile(
+    r"[\W_]*(?:(?:no[\s_-]*data|missing|fill|invalid|blank|bad|void|undefined|null)[\s_-]*(?:(?:data|height|pixel|point)s?)?"
+    r"[\s_-]*(?:values?|markers?|flags?|codes?)|no[\s_-]*data|fehl(?:ender[\s_-]*)?wert|ungu?e?ltiger[\s_-]*wert)"
+    rf"[^\w.+-]+(?P<number>[-+]?{_AMOUNT})\s*(?:[^\W\d]+\s*)?\W*$",
+    re.IGNORECASE,
+)
 _SPLIT = re.compile(r'[\s";:=()\[\]]+|,(?!\d)|(?<!\d),')  # what stands between words and numbers of an entry
 _FORTRAN = re.compile(r"(?<=[\d.,])[dD](?=[-+]?\d)")  # the letter of an exponent
 _SECTION = re.compile(r"\[\s*([^\[\]]+?)\s*\]")  # a line like [DATA], if it names no unit
@@ -329,13 +335,20 @@ def stated_scale(header: list[str]) -> str | None:
     return None
 
 
+def stated_mark(header: list[str]) -> float | None:
+    """Number that marks missing values, as `NODATA_value -9999` says it; None where the header states none."""
+    found = next(filter(None, (_MARK.match(_unaccented(line)) for line in header)), None)
+    return None if found is None else float(found["number"].replace(",", "."))
+
+
 @dataclass(frozen=True)
 class TextTable:
     """Rows and columns of numbers `[rows, columns]`, not-a-number where a cell is empty.
 
     `units` are those that the header states for each column, or the one of a map; None where it states none. It may
     name units of positions along a map, `axis_units`, and `sizes` along x and y. `line` is that of the first row,
-    counted from 1. `about_lengths` is a line of the header that speaks of a length.
+    counted from 1. `about_lengths` is a line of the header that speaks of a length, `mark` the number that it says
+    stands for missing heights.
     """
 
     values: Reals
@@ -345,6 +358,7 @@ class TextTable:
     line: int = 1
     sizes: Mapping[str, Size] = field(default_factory=dict)
     about_lengths: str | None = None
+    mark: float | None = None
 
 
 class Rows(NamedTuple):
@@ -370,6 +384,7 @@ def read_table(path: Path) -> TextTable:
     columns = values.shape[1]
     chosen, units = columns_of(header, columns)
     begins = [line[:_LOOKED_AT] for line in header]
+    mark = stated_mark(begins)
     if scale := stated_scale(begins):
         if units[-1] is None or length_unit(units[-1]) is None:
             units = (*units[:-1], scale)
@@ -382,12 +397,12 @@ def read_table(path: Path) -> TextTable:
         )
     if chosen == list(range(columns)):
         about = next((_short(line) for line in begins if _speaks_of_a_length(line)), None)
-        return TextTable(values, units, done, axis_units(header), lines[0], stated_sizes(begins), about)
+        return TextTable(values, units, done, axis_units(header), lines[0], stated_sizes(begins), about, mark)
     if columns == 2:
         done += ("took the first of two columns for heights and the second for positions, as their labels say",)
     elif len(chosen) < columns:
         done += (f"took {len(chosen)} of {columns} columns, those that the header calls positions and heights",)
-    return TextTable(values[:, chosen], units, done, line=lines[0])
+    return TextTable(values[:, chosen], units, done, line=lines[0], mark=mark)
 
 
 def read_rows(path: Path) -> Rows:

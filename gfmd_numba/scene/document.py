@@ -286,6 +286,8 @@ def validate(document: Document, model: type[Record]) -> Record:
     except ValidationError as error:
         schema = _schema(model)
         faults = error.errors(include_url=False)
+        within = {fault["loc"][:-1] for fault in faults}  # a list of nothing but wrong items is not too short
+        faults = [fault for fault in faults if not (fault["type"] == "too_short" and fault["loc"] in within)]
         said = (_fault(document, schema, fault) for fault in faults[:MOST_LINES])
         raise InputError(*said, more=len(faults[MOST_LINES:])) from None
 
@@ -328,7 +330,10 @@ def _fault(document: Document, schema: dict[str, Any], fault: ErrorDetails) -> s
             if document.flat and len(location) == 2:
                 siblings += [key for key in schema["properties"] if key != "scene"]
             comma = _POINT if str(location[-1])[:1].isdigit() else ""
-            hint = comma or _belongs(schema, location) or nearest(location[-1], siblings)
+            key = str(location[-1])  # of which an axis of a grid may have the name behind that of its record
+            prefixed = [each for each in siblings if each.partition("_")[2] == key]
+            belongs = "; ".join(filter(None, (_belongs(schema, location), nearest(key, prefixed))))
+            hint = comma or belongs or nearest(location[-1], siblings)
             return document.line(location, "an unknown key", _listed(siblings), hint, of_key=True)
         case "union_tag_invalid" | "union_tag_not_found":
             given = document.value(location)

@@ -71,6 +71,8 @@ def heights(given: Any) -> Heights:
         return Heights(given)
     if hasattr(given, "dims") and set(given.dims) == set(AXES):
         given = given.transpose(*AXES)
+    for mark in {"_FillValue", "missing_value"} & getattr(given, "attrs", {}).keys():
+        given = given.where(given != given.attrs[mark])
     inner = given.data if hasattr(given, "dims") else given
     unit = getattr(inner, "units", None) if hasattr(inner, "magnitude") else getattr(inner, "unit", None)
     if np.ma.isMaskedArray(given):  # masked heights are missing ones

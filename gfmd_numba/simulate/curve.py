@@ -25,6 +25,7 @@ from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.observables import OBSERVABLES, PRESCRIBED
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.reduced_loads import steps_of
+from gfmd_numba.contact.refusal import refusals
 from gfmd_numba.contact.state import Contact, Tell
 from gfmd_numba.contact.validity import FEW_NODES, NARROW_CONTACTS, input_warnings, path_warnings
 from gfmd_numba.scene import Document, InputError, Loading, Random, Scene, SceneFile, validate
@@ -32,7 +33,7 @@ from gfmd_numba.scene.document import located
 from gfmd_numba.scene.loading import Step, check_loading, control_of
 from gfmd_numba.scene.plausible_numbers import implausible
 from gfmd_numba.scene.quantities import RECORD, REDUCED_PRESSURE, check_scales
-from gfmd_numba.scene.units import has_unit
+from gfmd_numba.scene.units import has_unit, in_unit_of
 from gfmd_numba.solvers import status
 from gfmd_numba.text.input_error import brief
 from gfmd_numba.text.numbers import with_prefix
@@ -161,13 +162,17 @@ def _loaded(file: SceneFile, control: str, load: float) -> SceneFile:
     """The same with a loading of another kind; raises InputError for one that the scene has no scales for."""
     if control == file.scene.loading.control:
         return file
-    loading = Loading.model_validate({control: load})
+    loading, given = Loading.model_validate({control: load}), f"{in_unit_of(load, load)}, a {control}"
     try:
         check_loading(loading, file.scene.length, file.scene.has_moduli, bool(file.scene.surfaces))
     except PydanticCustomError as error:
         context = error.context or {}
-        raise InputError.of("loads", f"{control}s with a unit", context["allowed"]) from None
-    return file.model_copy(update={"scene": file.scene.model_copy(update={"loading": loading})})
+        raise InputError.of("loads", given, context["allowed"]) from None
+    scene = file.scene.model_copy(update={"loading": loading})
+    already = {row for _, row in refusals(file.scene, file.numerics)}
+    if refused := next((row for _, row in refusals(scene, file.numerics) if row not in already), None):
+        raise InputError.of("loads", given, refused.allowed)
+    return file.model_copy(update={"scene": scene})
 
 
 def _check_order(asked: Document, loads: tuple[float, ...], name: str) -> None:

@@ -166,9 +166,7 @@ class Dynamics:
 
     def _restore(self, active: Indices) -> None:
         self._products.restore(active)
-        u, ku, n = self.state.u, self.state.restoring, self.field.n
         if self._law is not None:
-            with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges, as its status says
-                ku[active, -1, :n] -= self._law.traction(self._punch[active, :n] - u[active, -1, :n])
+            self._law.pull(self.state.u, self.state.restoring, self._punch, active, self.field.n)
         if self._cohesive is not None:
-            self._cohesive.pull(self.state, self._punch, self._sliding, active, n)
+            self._cohesive.pull(self.state, self._punch, self._sliding, active, self.field.n)

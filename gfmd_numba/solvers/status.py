@@ -8,7 +8,7 @@ bound is `unstable`, or has `no_equilibrium` if the body is incompressible. Late
     contact/solution.py         no_equilibrium    the body touches beyond any window without a period
     contact/two_step.py         too_steep         rounds of rough bodies do not settle, or the next order is too large
     contact/boundary_values.py  too_steep         rounds of a rough body under prescribed values do not settle
-    contact/plastic_flow.py     steps_used_up     the plastic strain does not reach its residual (`RESIDUAL_RATIO`)
+    contact/plastic_flow.py     flows_on          the plastic strain does not reach its residual (`RESIDUAL_RATIO`)
     contact/evaluation.py       nonfinite         a field or a measure is not finite
 
 A path ends at its first step that is not `ok`, and has the status of this step (`contact/load_path.py`).
@@ -34,6 +34,7 @@ class Status(IntEnum):
     no_equilibrium = 4
     unstable = 5
     nonfinite = 6
+    flows_on = 11
 
 
 SENTENCES: dict[IntEnum, str] = {
@@ -58,6 +59,11 @@ SENTENCES: dict[IntEnum, str] = {
     Status.unstable: "Tractions grew without bound: lower numerics.time_step.",
     Status.nonfinite: (
         "A traction was no finite number: look for heights, loads or stiffnesses beyond the range of numbers."
+    ),
+    Status.flows_on: (
+        "The plastic flow inside the body came to no rest in the iterations of an increment, as it hardly does where "
+        "the body nearly yields at all depths, or strains are large: press less, give the plasticity a hardening or "
+        "more increments, or raise numerics.residual."
     ),
 }
 

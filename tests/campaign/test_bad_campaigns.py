@@ -145,3 +145,9 @@ def test_too_many_cases_are_refused(tmp_path):
     message = complaint(tmp_path, load_campaign, changed(CAMPAIGN, "hurst: [0.3, 0.5]", axes))
     assert message.startswith("bad.yaml:11:7: grid: you gave {")
     assert message.endswith("; gfmd allows at most 1000000 cases, not 4000000")
+
+
+def test_an_axis_by_the_key_of_its_record_is_told_its_name(tmp_path):
+    changed = "grid: {hurst", "grid: {coefficient: [0.1], hurst"
+    said = assert_complaint(tmp_path, load_campaign, CAMPAIGN, changed, "bad.yaml:11:8: grid.coefficient: you gave an")
+    assert said.endswith("'coefficient' belongs to scene.interface.friction; did you mean 'friction_coefficient'?")

@@ -18,6 +18,10 @@ FITS = {
         ("numerics: {solver: auto}", "fit: {exponents: both}"),
         "bad.yaml:12:18: fit.exponents: you gave 'both'; gfmd allows one of 'shared', 'free'",
     ),
+    "exponent of a limit without levels": (
+        ("numerics: {solver: auto}", "fit: {fixed: {eps_f: 1}}"),
+        "bad.yaml:12:22: fit.fixed.eps_f: you gave 1; gfmd allows nothing for eps_f, which has no levels under",
+    ),
     "unknown key of the fit": (
         ("numerics: {solver: auto}", "fit: {fix: {eps_t: 1}}"),
         "bad.yaml:12:7: fit.fix: you gave an unknown key; gfmd allows one of 'variable', 'step', 'exponents', 'fixed'",

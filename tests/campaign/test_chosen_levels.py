@@ -151,7 +151,7 @@ def test_a_pilot_of_many_cases_has_as_many_surfaces_more_as_tell_its_errors(leve
     """Eight more than there are cases, and 20 at least."""
     eps = {"eps_c": 1 / 2, "eps_f": 1 / 64, "eps_t": 1 / 2}
     given = {"eps_f": [1 / (8 + 2 * i) for i in range(levels)]}
-    piloted = pilot_plan(plan(COARSE | {"reference": eps, "limits": given}), GOAL)
+    piloted = pilot_plan(plan(COARSE | {"reference": eps, "limits": given, "fit": {}}), GOAL)
     assert len(piloted.cases) == levels + 1
     assert min(case.realisations for case in piloted.cases) == max(20, levels + 1 + 8)
 

@@ -5,6 +5,8 @@ import os
 import pytest
 import xarray as xr
 
+import gfmd_numba
+from gfmd_numba.scene import InputError
 from support.campaigns import campaign
 from support.command_line import gfmd, refused
 from support.scenes import SCENE
@@ -23,6 +25,17 @@ def test_a_malformed_exponent_is_told_what_is_allowed(results, option):
         f"you gave {option!r}; gfmd allows eps_c, eps_f, eps_t with a number above 0 or a range, like eps_t=1"
         in message
     )
+
+
+@pytest.mark.parametrize("command", ["fit", "plot"])
+def test_an_exponent_that_no_law_has_is_refused(results, command, tmp_path):
+    output = tmp_path / {"fit": "x.nc", "plot": "x.png"}[command]
+    message = refused(command, results, "--fixed", "eps_f=1", "--fixed", "eps_t=1", "-o", output)
+    assert message == (
+        "gfmd: --fixed: you gave an exponent of eps_t; gfmd allows none for eps_t: these results have no levels of it"
+    )
+    with pytest.raises(InputError, match=r"^fixed: you gave an exponent of eps_t; gfmd allows none"):
+        gfmd_numba.fit_tfc(results, fixed={"eps_f": 1.0, "eps_t": 1.0})
 
 
 @pytest.fixture(scope="module")

@@ -7,6 +7,7 @@ import pytest
 from scipy import integrate
 
 import gfmd_numba
+from gfmd_numba import kernels
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
@@ -24,6 +25,7 @@ from gfmd_numba.scene.interface_records import (
 )
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.table import Options
+from support.kernel_twins import both
 from support.laws import nearly_flat, surface
 
 ASKED = {"work_of_adhesion": 0.3, "range": 0.2}
@@ -121,6 +123,15 @@ def test_the_change_of_energy_is_that_of_the_energy_near_and_far(law):
     found, whole = law.energy_change(gap, closing), closing != 1e-14
     np.testing.assert_allclose(found[whole], expected[whole], rtol=1e-11)
     assert found[4] == pytest.approx(-law.traction(gap[4]) * 1e-14, rel=1e-9)
+
+
+@pytest.mark.parametrize("kernel", both(kernels.exponential_pull))
+def test_the_kernel_is_the_law(kernel):
+    (u, ku), punch = np.random.default_rng(0).normal(size=(2, 3, 2, 16)), np.linspace(-1, 1, 48).reshape(3, 16)
+    law, expected = ExponentialLaw(0.3, 0.7), ku.copy()
+    expected[[0, 2], 1, :13] -= law.traction(punch - u[:, 1])[[0, 2], :13]
+    kernel(u, ku, punch, np.array([0, 2]), 13, 0.3 / 0.7, 0.7)
+    np.testing.assert_allclose(ku, expected, rtol=1e-13)
 
 
 @pytest.mark.parametrize("solver", ["verlet", "gronbech_jensen", "fire"])

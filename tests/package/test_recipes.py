@@ -14,9 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gfmd_numba.interface.normal_law import NormalLaw
+
 
 @dataclass(frozen=True)
-class QuadraticLaw:
+class QuadraticLaw(NormalLaw):
     """Energy -work (1 - gap / length)^2 per area up to the gap `length`."""
 
     work: float

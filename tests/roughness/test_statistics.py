@@ -29,13 +29,13 @@ def test_a_wave_on_a_map_has_its_statistics_in_closed_form():
     assert statistics.nayak(heights, LENGTHS) == pytest.approx(1.5)
 
 
-@pytest.mark.parametrize(("share", "wavelength"), [(0.4, 1 / 4), (0.6, 1 / 32)])
-def test_half_of_the_mean_square_gradient_is_that_of_waves_shorter_than_the_median(share, wavelength):
-    """Of two waves, the one that has more than half of it."""
+@pytest.mark.parametrize(("share", "wavelength", "short"), [(0.4, 1 / 4, 1.0), (0.6, 1 / 32, 0.6), (1.0, 1 / 32, 1.0)])
+def test_the_median_wave_and_shorter_ones_have_at_least_half_of_the_mean_square_gradient(share, wavelength, short):
+    """Of two waves, the one that has more than half of it; of one, that with all of it."""
     x = np.arange(256) / 256
     z = np.sqrt(1 - share) / 4 * np.cos(2 * np.pi * 4 * x) + np.sqrt(share) / 32 * np.sin(2 * np.pi * 32 * x)
-    assert statistics.median_wave(3.0 * z, (0.7,)) == pytest.approx(0.7 * wavelength)
-    assert statistics.median_wave(z + np.zeros((64, 1)), (0.5, 0.7)) == pytest.approx(0.7 * wavelength)
+    assert statistics.median_wave(3.0 * z, (0.7,)) == pytest.approx((0.7 * wavelength, short))
+    assert statistics.median_wave(z + np.zeros((64, 1)), (0.5, 0.7)) == pytest.approx((0.7 * wavelength, short))
 
 
 def test_rms_height_of_a_map_is_its_standard_deviation():

@@ -10,7 +10,7 @@ import xarray as xr
 from gfmd_numba import make_surface
 from gfmd_numba.roughness.measured import measured_field
 from gfmd_numba.roughness.measurements import measurement
-from gfmd_numba.roughness.surface_files import read_content
+from gfmd_numba.roughness.surface_files import read_content, read_values
 from gfmd_numba.roughness.surface_text import read_table
 from gfmd_numba.scene import InputError
 from gfmd_numba.scene.measured_record import Measured
@@ -297,6 +297,47 @@ def test_a_line_along_an_axis_keeps_the_units_of_its_own_axis(tmp_path, along):
     header = {"x": "x [um];y [mm];z [nm]", "y": "x [mm];y [um];z [nm]"}[along]
     np.savetxt(tmp_path / "p.csv", np.column_stack(columns), delimiter=";", header=header, fmt="%.17g", comments="")
     assert measurement(read_content(tmp_path / "p.csv")).lengths == pytest.approx((32e-6,))
+
+
+@pytest.mark.parametrize(
+    ("line", "mark"),
+    [
+        ("NODATA_value -9999", "-9999.0"),
+        ("# nodata = -3.4028235e+38", "-3.40282346638529e+38"),
+        ("Missing data value: 1e10", "10000000000"),
+        ("No data: 0", "0"),
+        ("_FillValue\t-32768", "-32768"),
+        ("Fehlender Wert;-99,5", "-99.5"),
+        ("Ungültiger Wert = 9999 nm", "9999"),
+    ],
+)
+def test_what_a_header_says_to_mark_missing_heights_does(tmp_path, line, mark):
+    profile, map_ = f"{line}\n1\n{mark}\n3\n", f"{line}\n5 2 7 4 3\n2 {mark} 4 5 1\n8 4 1 1 6\n"
+    for text, place in ((profile, 1), (map_, 6)):
+        (tmp_path / "m.asc").write_text(text, encoding="utf-8")
+        found = read_content(tmp_path / "m.asc")
+        assert np.flatnonzero(np.isnan(found.heights)).tolist() == [place]
+        assert found.done == (f"took {float(mark):g} for a missing height, as the header says",)
+
+
+@pytest.mark.parametrize("line", ["Missing points: 2", "Bad pixels 2", "Points 2", "value: 2"])
+def test_what_a_header_counts_marks_no_missing_heights(tmp_path, line):
+    (tmp_path / "m.txt").write_text(f"{line}\nz [um]\n1\n2\n3\n4\n")
+    assert not np.isnan(read_content(tmp_path / "m.txt").heights).any()
+
+
+def test_tractions_marked_as_missing_are_not_prescribed(tmp_path):
+    (tmp_path / "t.csv").write_text("NODATA_value -9999\n1\n-9999\n2\n3\n")
+    np.testing.assert_array_equal(read_values(tmp_path / "t.csv", 1), [1, np.nan, 2, 3])
+
+
+@pytest.mark.parametrize("attribute", ["_FillValue", "missing_value"])
+def test_the_mark_of_a_netcdf_variable_or_an_array_is_a_missing_height(tmp_path, attribute):
+    array = xr.DataArray(np.array([1.0, -9999.0, 2.0, 3.0]), dims="x", name="height", attrs={attribute: -9999.0})
+    record = Measured(method="measured", heights=array)
+    np.testing.assert_array_equal(measured_field(record).found.heights, [1, np.nan, 2, 3])
+    array.to_netcdf(tmp_path / "m.nc", engine="netcdf4")
+    np.testing.assert_array_equal(read_content(tmp_path / "m.nc").heights, [1, np.nan, 2, 3])
 
 
 @pytest.mark.parametrize("mark", ["OVER", "over", "nan(ind)", "-nan(ind)", "No Data", "NoData", "NO_DATA", "masked"])

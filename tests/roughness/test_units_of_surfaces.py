@@ -29,6 +29,17 @@ def test_heights_without_a_length_are_in_units_of_the_field(tmp_path, name, peri
     assert float(found["x"][1]) == pytest.approx(1 / (64 if periodic == "mirror" else 32))
 
 
+def test_heights_in_metres_without_a_unit_are_told_to_count_in_periods(tmp_path):
+    in_metres = 1e-3 * HEIGHTS
+    np.save(tmp_path / "p.npy", in_metres)
+    for source in ({"file": str(tmp_path / "p.npy")}, {"heights": in_metres}):
+        record = Measured(method="measured", **source)
+        (said,) = measured_surface(record, None).doubts
+        assert "heights without a unit count in periods: if they are in m, write units: {z: m} and the length" in said
+        assert measured_surface(record, None).found.startswith("found 32 heights in L_x")
+        assert measured_surface(record.model_copy(update={"units": FileUnits(z="L_x")}), None).doubts == ()
+
+
 def test_heights_with_a_length_need_a_unit(tmp_path):
     np.savetxt(tmp_path / "p.csv", HEIGHTS)
     surface = {"method": "measured", "file": str(tmp_path / "p.csv"), "periodic": "mirror"}

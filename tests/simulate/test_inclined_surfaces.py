@@ -94,6 +94,17 @@ def test_two_rough_bodies_are_those_of_finite_elements():
     assert together == pytest.approx(force.sum(), rel=5e-3)
 
 
+def test_two_bodies_that_change_places_have_the_same_error_at_order_0():
+    x = np.arange(64) / 64
+    bodies = SLAB | {"roughness": heights(CREST[::4])}, OTHER | {"roughness": heights(wave(x))}
+    load = {"pressure": 1e-3}
+    errors = [
+        float(solved(0, loading=load, body=one, counter_body=other)["next_order"])
+        for one, other in (bodies, bodies[::-1])
+    ]
+    assert errors[0] == pytest.approx(errors[1], rel=1e-12)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize(("pair", "along"), [("roughness", "x"), ("counter_body", "y")])
 def test_ridges_are_profiles(along, pair):

@@ -78,6 +78,28 @@ def test_a_unit_is_guessed_with_a_reduced_pressure_too(load, hint):
         gfmd_numba.load_curve(scene, [load], heights=1e-3 * np.sin(np.arange(16) * np.pi / 8))
 
 
+@pytest.mark.parametrize(
+    ("dimension", "load", "said"),
+    [
+        (1, "1 mN", "1 mN, a force; gfmd allows a line_load with dimension 1"),
+        (2, "1 N/mm", "1 N/mm, a line_load; gfmd allows a force with dimension 2"),
+        (1, "1 um", "1 um, a displacement; gfmd allows a finite aspect_ratio"),
+    ],
+)
+def test_loads_that_the_scene_cannot_have_are_refused_as_they_were_given(dimension, load, said):
+    scene = SCENE | {"dimension": dimension, "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.05}}
+    scene = {"scene": scene, "discretisation": {"eps_c": 1 / 2, "eps_f": 1 / 4, "eps_t": 1 / 2}}
+    with pytest.raises(InputError, match=f"^loads: you gave {said}"):
+        gfmd_numba.load_curve(scene, [load])
+
+
+def test_loads_of_another_quantity_are_refused_one_by_one(heights):
+    with pytest.raises(InputError) as error:
+        gfmd_numba.load_curve(SCENE | {"roughness": {"units": {"z": "m"}}}, ["1 s", "2 s"], heights=heights)
+    allowed = "gfmd allows a pressure in Pa, kPa, MPa, GPa or the like"
+    assert str(error.value).splitlines() == [f"loads[{i}]: you gave '{i + 1} s'; {allowed}" for i in range(2)]
+
+
 def test_loads_in_pascal_need_moduli():
     scene = {"body": {"poissons_ratio": 0.3}, "interface": {"hard_wall": {}}, "loading": {"reduced_pressure": 0.05}}
     with pytest.raises(InputError, match="gfmd allows pressure with a youngs_modulus of every elastic body"):

@@ -9,6 +9,7 @@ import yaml
 import gfmd_numba
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.cli import terminal
+from gfmd_numba.contact import plastic_flow
 from gfmd_numba.scene import InputError
 from support.command_line import gfmd, refused
 
@@ -73,6 +74,17 @@ def test_voce_hardening_lies_between_the_yield_and_the_saturation_stress():
 
     voce = stress(saturation_stress="600 MPa", saturation_strain=0.002)
     assert 450e6 < voce < 600e6
+
+
+def test_a_flow_that_comes_to_no_rest_says_so_and_what_to_do(tmp_path, monkeypatch):
+    monkeypatch.setattr(plastic_flow, "_LOOPS", 2)
+    (tmp_path / "s.yaml").write_text(yaml.safe_dump(FLOWS))
+    done = gfmd("solve", tmp_path / "s.yaml", "-o", tmp_path / "c.nc")
+    assert done.exit_code == 3
+    said = " ".join(done.stderr.split())
+    assert "the run ended as flows_on after 4 iterations in step 0 of 1" in said
+    assert "The plastic flow inside the body came to no rest" in said
+    assert "press less" in said
 
 
 def doubts(**plasticity):

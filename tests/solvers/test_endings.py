@@ -24,7 +24,8 @@ def test_a_campaign_has_the_endings_of_the_solver_and_its_own():
         "unfinished": 9,
         "not_asked": 10,
     }
-    assert flag_attributes(failures.SENTENCES)["flag_values"].tolist() == list(range(11))
+    assert Status.flows_on == 11
+    assert flag_attributes(failures.SENTENCES)["flag_values"].tolist() == list(range(12))
 
 
 def test_results_carry_the_sentences():

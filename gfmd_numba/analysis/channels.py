@@ -1,6 +1,6 @@
 """The gap of a map: whether a channel leads across, how narrow it gets, and what leaks through it.
 
-Leakage follows from the Reynolds equation of a thin film, on the grid of the contact.
+Leakage follows from the Reynolds equation of a thin film, on the grid of the contact, by a sparse direct solver.
 """
 
 from collections.abc import Iterator

@@ -1,12 +1,14 @@
 """Plastic flow inside the body: J2 plasticity in sublayers below the surface, found together with the contact.
 
-The state is `PlasticState`, the process `PlasticFlow`. Let e_p be the plastic strain, p the pressure and s the
-deviatoric stress. They determine each other:
+The state is `PlasticState`, the process `PlasticFlow`. Let e_p be the plastic strain at the end of a step, e_0 that at
+its beginning, p the pressure and t the trial stress, which is the deviatoric stress without flow in the step. They
+determine each other:
 
     r = U e_p                     residual displacement of the surface    (`Sublayers.surface_displacement`)
     p = C(r)                      contact on a surface moved by r         (`solution.solve`)
-    s = 2 G (e(p, e_p) - e_p)     e: deviatoric strain in the body        (`Sublayers.strains`)
-    e_p = R(s)                    von Mises stress of s <= Y(e_eq)        (`kernels.return_to_yield`)
+    t = 2 G (e(p, e_p) - e_0)     e: deviatoric strain in the body        (`Sublayers.strains`)
+    e_p = e_0 + R(t)              along t, until the von Mises stress of t - 2 G R is at most Y(e_eq)
+                                  (`kernels.return_to_yield`)
 
     Y(e_eq) = Y_0 + h e_eq + (Y_s - Y_0) (1 - exp(-e_eq / e_s)),    e_eq: equivalent plastic strain of all steps
 

@@ -17,8 +17,8 @@ from gfmd_numba.interface.normal_law import NormalLaw
 from gfmd_numba.interface.patterned import PatternedLaw
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
-from gfmd_numba.solvers.exponential_sums.parallel_law import ParallelLaw
 from gfmd_numba.solvers.iteration import Batch, Start, tangential_shape
+from gfmd_numba.solvers.parallel_law import ParallelLaw
 from gfmd_numba.solvers.pressures import refine
 from gfmd_numba.solvers.products import Products
 from gfmd_numba.solvers.table import Options
@@ -119,7 +119,6 @@ class EnergyOfSlip:
 _LOOSE = 0.3  # largest part of the unbalanced traction that a Newton step may leave: the less, the smaller that is
 _ENOUGH = 0.7  # unbalanced traction that it leaves at least, over what the residual that is asked for allows
 _NEAR = 8.0  # times that: so near the end a step goes on, as it takes less than to begin another one
-_OWN = 2.0  # compliance that a stiff node is given of its own over that of a lone node: its neighbours are stiff, too
 _INNER_ITERATIONS = 60  # of conjugate gradients in a Newton step
 _LOST = 1e-6  # restoring traction over the largest that went into its sum, below which it has lost too many digits
 _FLAT = 1e-6  # curvature over that of the body alone below which a direction is one of a fold, or downhill for ever
@@ -181,9 +180,8 @@ class TruncatedNewton:
     Each Newton step holds the nodes that press against the wall and frees the others, solves the linear problem that is
     left by preconditioned conjugate gradients (Steihaug, SIAM J. Numer. Anal. 20:626, 1983) up to a direction in which
     the energy curves down, stops nodes at the wall, and is cut short until the energy has decreased. So the energy
-    never rises, and a contact on a stable branch stays on it. The preconditioner is the compliance of the bodies,
-    restricted to the free nodes, or, where that is a sum of decays, body and law of each component in parallel, which
-    takes no transforms. The first transforms of a step are those of its gradient.
+    never rises, and a contact on a stable branch stays on it. The preconditioner is body and law of each
+    component in parallel, on ever coarser grids, which takes no transforms.
 
     A mean displacement that has to vanish is held by a large stiffness, and the mean pressure then takes over.
 
@@ -273,13 +271,8 @@ class TruncatedNewton:
 
     def _prepare(self, response: SpectralResponse, of_law: float) -> None:
         """Prepare the preconditioner, and how stiff a mode may be."""
-        compliance = response.restored().inverse()
-        of_each, n = diagonal(compliance), self.field.n
-        self._compliance = self._products.symbols(compliance)
-        on_node = (of_each.sum(axis=0) * grid.multiplicity(self.field.shape[-1])).sum() / n
-        self._own_compliance = _OWN * float(on_node / len(of_each))
         self._stiffest = float(response.diagonal.sum(axis=0).max()) + of_law  # or more: it is the trace of each wave
-        self._parallel = ParallelLaw.of(of_each, n, self._products.displacement.shape[-1])
+        self._parallel = ParallelLaw(diagonal(response.restored().inverse()), self.field.shape)
 
     def _place(self, batch: Batch, u: Reals, wall: Reals) -> None:
         """Fill the displacements that a batch begins with and its wall."""
@@ -335,37 +328,23 @@ class TruncatedNewton:
         """Pressure with which the hardness pushes back nodes that yield."""
         return 0.0 if self._yields is None else self.certificate.conditions.hardness * self._yields[i]
 
-    def _split(self, i: int) -> None:
-        """Prepare the preconditioner for the curvature of a row."""
-        if self._parallel is not None:
-            np.greater(self._weight, 0.0, out=self._weight)
-            self._source[i] = self._unbalanced
-            self._parallel.factor(self._curvature, self._weight)
-
-    def _comply(self, row: Indices) -> None:
-        """Fill the result of a row with the displacements under its source."""
-        if self._parallel is None:
-            self._products.apply(self._compliance, row)
-        else:
-            self._parallel.solve(self._source[row[0]], self._result[row[0]])
-
     def _find_direction(self, row: Indices) -> bool:
         """Fill the direction of a row's Newton step; returns whether the energy curves down somewhere along it."""
-        i, curvature, weight, r, own = row[0], self._curvature, self._weight, self._unbalanced, self._own_compliance
-        d, p, source, result = self._direction, self._conjugate, self._source[i], self._result[i]
-        pulled, descent = self._closing, kernels.Descent(d, self._lifted, r, source)
+        i, curvature, weight, r = row[0], self._curvature, self._weight, self._unbalanced
+        p, source, result, pulled = self._conjugate, self._source[i], self._result[i], self._closing
+        descent, of_nodes = kernels.Descent(self._direction, self._lifted, r), self._nodes(weight)
         self._fill_curvature(i)
         unknowns = kernels.Unknowns(self._u[i], self._restoring[i], self._ceiling[i], self._load[i])
-        kernels.descent_start(unknowns, curvature, own, weight, descent)
-        self._split(i)
+        kernels.descent_start(unknowns, weight, descent)
+        self._parallel.factor(self._nodes(curvature), of_nodes, self._nodes(pulled))
         p[:] = 0.0
         square, last, gains = min(_LOOSE**2, float(self._residual[i])), np.inf, []
         # where a mean is held, the load that holds it is off, too, and what is left here does not tell by how much
         allowed = self._target if self._held_mean is None else 0.0
         enough = _ENOUGH * allowed * max(float(self.certificate.peak[i]), float(self._strongest[i]))
         for _ in range(_INNER_ITERATIONS):
-            self._comply(row)
-            norm = kernels.descent_norm(r, weight, own, result)
+            self._parallel.solve(of_nodes, self._nodes(r), self._nodes(result))
+            norm = kernels.descent_norm(r, weight, result)
             if not norm > 0.0:
                 break
             kernels.descent_direction(result, norm / last, p, source)

@@ -18,7 +18,8 @@ class ParallelLaw:
     A sum over grids, each half as fine as the one before (Bramble, Pasciak and Xu, Math. Comp. 55:1, 1990): tractions
     go to each as means, and displacements come back by linear interpolation. The compliances of a node on the first
     grids add up to 1 / (1/C + D), with the compliance C of waves that the last of them still holds, and the mean D
-    around the node there. What couples components is left to the iteration.
+    around the node there. What couples components is left to the iteration. A mean displacement that is held by more
+    than any wave takes its part by Woodbury's identity.
 
     `compliances` `[component, (ny,) nx // 2 + 1]` are those of the body, on (ny,) nx nodes.
     """
@@ -34,6 +35,9 @@ class ParallelLaw:
         waves = compliances.reshape(len(compliances), shapes[0][0], -1)
         self._compliances = np.maximum.accumulate([_of_waves(waves, each, shapes[0]) for each in shapes]).T.copy()
         self._weights, self._room = np.zeros((len(waves), first[-1])), np.zeros(first[-1])
+        mean = float(waves[-1, 0, 0])
+        self._of_mean, self._is_held = math.prod(shape) * mean, mean < waves[-1].ravel()[1:].min()
+        self._uniform: tuple[Reals, float] | None = None
 
     def factor(self, stiffness: Reals, weight: Reals, room: Reals) -> None:
         """Prepare `solve` for the stiffness of the law on each node, below 0 where it softens `[component, node]`.
@@ -43,11 +47,20 @@ class ParallelLaw:
         for c, compliance in enumerate(self._compliances):
             room[c] = np.where(weight[c] > 0.0, stiffness[c], _HELD / compliance[0])
             kernels.parallel_compliance(self._grids, compliance, room[c], weight[c], self._weights[c], self._room)
+        self._uniform = None
+        if self._is_held:
+            free = (weight > 0.0).astype(np.float64)
+            self.solve(weight, free, room)
+            moved = free[-1] * room[-1]
+            self._uniform = moved, 1.0 / (self._of_mean + moved.sum())
 
     def solve(self, weight: Reals, r: Reals, d: Reals) -> None:
         """Fill the displacements that about balance the tractions r; those of held nodes mean nothing."""
         for c, weights in enumerate(self._weights):
             kernels.comply_in_parallel(self._grids, weight[c], weights, r[c], d[c], self._room)
+        if self._uniform is not None:
+            moved, share = self._uniform
+            d[-1] -= share * (moved @ r[-1]) * moved
 
 
 def _places(nodes: list[int]) -> tuple[Indices, Reals]:

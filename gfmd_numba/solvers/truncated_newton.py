@@ -24,7 +24,7 @@ from gfmd_numba.solvers.products import Products
 from gfmd_numba.solvers.table import Options
 
 _ACROSS = 4.0  # lengths of a law of gap and slip across which it acts
-_STRIDE = 0.5  # tangential lengths of the law that a node is dragged in one step: past them the law gives way
+_STRIDE = 0.5  # tangential lengths of the law that a node is dragged in one step at most
 _NOTHING = ExponentialLaw(0.0, 1.0)  # stands for no law: a hard wall alone
 
 Place = Callable[[], tuple[Reals, Reals]]  # gap and slip, where they are needed
@@ -58,9 +58,9 @@ class EnergyOfGap:
         """Change of the energy as all displacements change by `closing`."""
         return float(self._law.energy_change(gap, closing[-1]).sum(dtype=np.float64))
 
-    def longest(self, place: Place, direction: Reals) -> float:
-        """Step along a direction that is tried first."""
-        return 1.0
+    def shorten(self, place: Place, u: Reals, trial: Reals) -> bool:
+        """Shorten how far displacements change at once, up to a trial; whether any is."""
+        return False
 
 
 class EnergyOfSlip:
@@ -107,13 +107,14 @@ class EnergyOfSlip:
         change = vector_slip.energy_change(self._law, gap, slip, closing[-1], closing[:-1])
         return float(change.sum(dtype=np.float64))
 
-    def longest(self, place: Place, direction: Reals) -> float:
-        """Step along a direction that is tried first; past a stride in slip the law gives way."""
+    def shorten(self, place: Place, u: Reals, trial: Reals) -> bool:
+        """Shorten how far displacements change at once, up to a trial; past a stride in slip the law gives way."""
         gap, slip = place()
-        near, tangential = gap < _ACROSS * self._law.normal, self._law.tangential
-        allowed = np.maximum(vector_slip.length(slip)[near] / tangential - _ACROSS, _STRIDE)
-        dragged = vector_slip.length(direction[:-1])[near] / tangential
-        return float(1.0 / max(1.0, (dragged / allowed).max(initial=0.0)))
+        tangential, dragged = self._law.tangential, vector_slip.length(trial[:-1] - u[:-1])
+        allowed = np.maximum(vector_slip.length(slip) - _ACROSS * tangential, _STRIDE * tangential)
+        far = (dragged > allowed) & (gap < _ACROSS * self._law.normal)
+        trial[:-1, far] = u[:-1, far] + (trial[:-1, far] - u[:-1, far]) * (allowed[far] / dragged[far])
+        return bool(far.any())
 
 
 _LOOSE = 0.3  # largest part of the unbalanced traction that a Newton step may leave: the less, the smaller that is
@@ -367,8 +368,7 @@ class TruncatedNewton:
 
     def _descend(self, row: Indices, bends_down: bool) -> None:
         """Go along the direction of a row, as far as the energy decreases."""
-        i, direction = row[0], self._nodes(self._direction)
-        step = self._law.longest(lambda: (self._gap(i), self._slip(i)), direction)
+        i, step = row[0], 1.0
         change, slope = self._trial(row, step)
         while not _decreases(change, slope):
             step *= _shorter(change, slope)
@@ -392,6 +392,7 @@ class TruncatedNewton:
         i = row[0]
         u, trial = self._u[i], self._source[i]
         stops = kernels.descent_trial(u, self._bound[i], self._direction, step, trial)
+        stops |= self._law.shorten(lambda: (self._gap(i), self._slip(i)), self._nodes(u), self._nodes(trial))
         if self._yields is not None:  # which stop at the wall from behind
             stopped = self._nodes(trial)[-1]
             np.maximum(stopped, self._punch[i], out=stopped, where=self._yields[i])

@@ -71,7 +71,7 @@ def _places(nodes: list[int]) -> tuple[Indices, Reals]:
     return np.concatenate([np.empty(0, dtype=np.int64), *after]), np.concatenate([np.empty(0), *share])
 
 
-def _of_waves(compliances: Reals, shape: tuple[int, int], finest: tuple[int, int]) -> Reals:
+def _of_waves(compliances: Reals, shape: tuple[int, ...], finest: tuple[int, ...]) -> Reals:
     """Compliance `[component]` of the waves along x and y that a grid of a shape is to be right for."""
     share = _FINEST if shape == finest else _COARSER
     y, x = (max(1, round(share * n / 2)) if n > 1 else 0 for n in shape)

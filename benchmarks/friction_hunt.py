@@ -85,7 +85,7 @@ def random_rate(seed, friction):
         SlipRateFriction(friction, rise, speed),
         SlipRateFriction(friction, rates=rates, coefficients=values),
         SlipRateFriction(friction, rates=rates, coefficients=values),
-        SlipRateFriction(friction, limit=UserFunction(film, 1.0, 1.0)),
+        SlipRateFriction(friction, shear_strength=UserFunction(film, 1.0, 1.0)),
     )
     return laws[kind].lasting(duration), held
 

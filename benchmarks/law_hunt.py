@@ -147,7 +147,7 @@ def unbalanced(bears, gap, touching, hardness):
 def unrubbed(bears, touching, shear, slid, laws):
     """Largest tangential traction that friction does not balance; `slid` is 0 where that is not known."""
     bound = np.multiply(laws.friction, bears, out=np.zeros_like(bears), where=touching & (bears > 0.0))
-    bound = np.minimum(bound, np.inf if laws.shear_limit is None else laws.shear_limit)
+    bound = np.minimum(bound, np.inf if laws.shear_strength is None else laws.shear_strength)
     slips = (bound > 0.0) & (bound < np.inf) & (slid != 0.0)
     against = np.abs(shear[slips] + np.sign(slid[slips]) * bound[slips])
     return max((np.abs(shear) - bound).max(), against.max(initial=0.0))

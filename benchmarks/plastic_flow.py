@@ -17,10 +17,11 @@ import numpy as np
 from gfmd_numba.contact import evaluation, plastic_measures
 from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.load_path import solve_path
+from gfmd_numba.contact.plastic_flow import equivalent, plastic_state, stresses
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.plasticity import PlasticSublayers
+from gfmd_numba.elasticity.plastic_sublayers import PlasticSublayers
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.kernels import Hardening
@@ -105,18 +106,18 @@ def residual():
         *_, loaded, free = pressed(
             parabola(nodes, dimension), loads, PlasticSublayers(Hardening(p0 / ratio), 0.25, 32, 1)
         )
-        flow, (_, along) = plastic_measures.flow_of(free), plastic_measures.stresses(free)
+        flow, (_, along) = plastic_state(free), stresses(free)
         middle = nodes // 2
         along, flowed = (each[:, -1 if dimension == 1 else middle, middle] for each in (along, flow.equivalent))
         deep = np.cumsum(flow.body.waves.thickness)
         last = np.flatnonzero(flowed)[-1]
-        again = (flow.equivalent > plastic_measures.flow_of(loaded).equivalent).any()
+        again = (flow.equivalent > plastic_state(loaded).equivalent).any()
         most, below = flowed.argmax(), last + 1
         print(
             f"{name:9} drawn off from p0 = {ratio} Y: stress along x on the axis, where most has flowed (depth "
             f"{deep[most] / a:.2f} a), {along[most] / (p0 / ratio):+.3f} Y; below the plastic zone (depth "
             f"{deep[below] / a:.2f} a) {along[below] / (p0 / ratio):+.3f} Y; dent over rim "
-            f"{flow.out.min() / flow.out.max():+.2f}; flows back: {bool(again)}"
+            f"{flow.residual_displacement.min() / flow.residual_displacement.max():+.2f}; flows back: {bool(again)}"
         )
 
 
@@ -144,7 +145,7 @@ def elements(
         steps = [body.step(punch - depth * amplitude) for depth in (0.125, 0.25, 0.375, 0.5)]
         loads = [float((body._lengths() * p).sum()) for p in steps]
         found = pressed(heights, loads, PlasticSublayers(Hardening(stress, slope), 0.2, 64, 1))[-1]
-        flow, p = plastic_measures.flow_of(found), found.equilibrium.pressure[0]
+        flow, p = plastic_state(found), found.equilibrium.pressure[0]
         volume = flow.body.waves.thickness @ flow.equivalent.mean(axis=(1, 2))
         spread = [
             np.sqrt((weight * p * (at - centre) ** 2).sum() / (weight * p).sum())
@@ -162,9 +163,7 @@ def elements(
         print(f"{mesh[0]} x {mesh[1]} quadratic elements: {'  '.join(told)}", flush=True)
     for nodes, sublayers in grids:
         heights = amplitude * np.cos(2.0 * np.pi * (np.arange(nodes) / nodes - 0.5))
-        flow = plastic_measures.flow_of(
-            pressed(heights, loads, PlasticSublayers(Hardening(stress, slope), 0.2, sublayers, 1))[-1]
-        )
+        flow = plastic_state(pressed(heights, loads, PlasticSublayers(Hardening(stress, slope), 0.2, sublayers, 1))[-1])
         volume = flow.body.waves.thickness @ flow.equivalent.mean(axis=(1, 2))
         print(f"{nodes} nodes, {sublayers} sublayers: integral of the plastic strain {volume:.5e}", flush=True)
 
@@ -209,7 +208,7 @@ def beside_tamaas(interpreter, heights, load, plasticity, most=600.0):
             print(told, flush=True)
             return
         theirs = dict(np.load(result))
-    flow, p = plastic_measures.flow_of(found), found.equilibrium.pressure[0]
+    flow, p = plastic_state(found), found.equilibrium.pressure[0]
     off = np.linalg.norm(p - theirs["pressure"]) / np.linalg.norm(p)
     peak, strained = p.max() / theirs["pressure"].max(), flow.equivalent.max() / theirs["flowed"].max()
     area = np.count_nonzero(p) / np.count_nonzero(theirs["pressure"] > 1e-6 * p.max())
@@ -259,25 +258,25 @@ def violations(contacts, heights, loads, plasticity):
     """Largest violation of each condition by the contacts of a path, found again from their fields alone."""
     worst, before = dict.fromkeys(("status", "yield", "flow rule", "contact", "balance"), 0.0), 0.0
     for found, load in zip(contacts, loads, strict=False):
-        flow, solved = plastic_measures.flow_of(found), found.equilibrium
+        flow, solved = plastic_state(found), found.equilibrium
         worst["status"] = max(worst["status"], float(solved.status[0]))
         if solved.status[0]:
             return worst
         p, shape = solved.pressure[0], heights.shape
         flow.body.surface_displacement(flow.strain)
         stress = 2.0 * flow.body.shear * (flow.body.strains(p.reshape(flow.body.shape)) - flow.strain)
-        added, size = flow.strain - before, plastic_measures.equivalent(stress)
+        added, size = flow.strain - before, equivalent(stress)
         law, e = plasticity.hardening, flow.equivalent
         bears = law.stress + law.slope * e - law.rise * np.expm1(-e / law.strain)
         worst["yield"] = max(worst["yield"], float((size - bears).max()) / plasticity.hardening.stress)
-        flows = plastic_measures.equivalent(added) / 1.5
+        flows = equivalent(added) / 1.5
         rest = added - 1.5 * flows * stress / np.maximum(size, 1e-300)
         slack = np.where(flows > 0.0, np.abs(size - bears), 0.0).max()
         both = max(2.0 * flow.body.shear * np.abs(rest).max(), slack)
         worst["flow rule"] = max(worst["flow rule"], float(both) / plasticity.hardening.stress)
         q = grid.magnitudes(shape)
         elastic = grid.coefficients(p, len(shape)) * np.divide(2.0, q, out=np.zeros_like(q), where=q > 0.0)
-        gap = -heights - flow.out[0] + grid.signal(elastic, *shape)
+        gap = -heights - flow.residual_displacement[0] + grid.signal(elastic, *shape)
         gap -= gap[p > 0.0].mean()
         off = max(-gap.min(), np.abs(gap[p > 0.0]).max()) / np.ptp(heights)
         worst["contact"] = max(worst["contact"], float(off), float(-p.min()))

@@ -15,8 +15,9 @@ from scipy.optimize import curve_fit
 
 from gfmd_numba.analysis.channels import sizes
 from gfmd_numba.arrays.regions import regions
-from gfmd_numba.contact import evaluation, plastic_measures
-from gfmd_numba.elasticity.plasticity import PlasticSublayers
+from gfmd_numba.contact import evaluation
+from gfmd_numba.contact.plastic_flow import plastic_state
+from gfmd_numba.elasticity.plastic_sublayers import PlasticSublayers
 from gfmd_numba.fourier import grid
 from gfmd_numba.kernels import Hardening
 
@@ -65,7 +66,7 @@ def measured(heights, hardening, nu=0.3):
 
 def work(contact, hardening):
     """Plastic work so far per nominal area, in g^2 E* L_x, with linear hardening."""
-    flow = plastic_measures.flow_of(contact)
+    flow = plastic_state(contact)
     density = (hardening.stress + 0.5 * hardening.slope * flow.equivalent) * flow.equivalent
     return float(flow.body.waves.thickness @ density.mean(axis=(1, 2)))
 

@@ -22,7 +22,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity import moduli
-from gfmd_numba.elasticity.stiffness import scaled_sinh_minus_x
+from gfmd_numba.elasticity.layers import scaled_sinh_minus_x
 
 
 def slab(q: Reals, poissons_ratio: float, aspect_ratio: float) -> Reals:

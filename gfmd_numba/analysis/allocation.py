@@ -27,15 +27,15 @@ _REFERENCE: Level = ("reference", ())
 
 @dataclass(frozen=True)
 class _Ensemble:
-    """What results say of one group, or of one step of its path."""
+    """Statistics of the results of one group, or of one step of its path."""
 
     covariance: Reals  # (case, case) of one realisation
     columns: Reals  # (case, coefficient) of the fit at the likeliest laws
     slopes: Reals  # (case, parameter) derivatives to the parameters of the laws
-    known: Reals  # (coefficient and parameter) what is known of each before the campaign: 1 / variance
+    prior_precision: Reals  # (coefficient and parameter) one over the variance of each before the campaign
     level: NDArray[np.intp]  # (case)
     kappa: float
-    doubt: float  # factor on variances
+    variance_factor: float  # on the covariance, which a pilot knows roughly
     freedom: float  # degrees of freedom of the variance of kappa
 
 
@@ -71,42 +71,38 @@ def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], variable: st
     means = means_of(group, values)
     found = [weighed([means], laws) for laws in choices(list(group.levels), [group], given)]
     likeliest = max(found, key=lambda choice: choice.log_weight.max())
-    columns, slopes, known, kappa = linearised(means, likeliest)
+    columns, slopes, prior_precision, kappa = linearised(means, likeliest)
     covariance = pooled_covariance(values)
     freedom = degrees_of_freedom(values, covariance, columns)
     return _Ensemble(
         covariance=covariance,
         columns=columns,
         slopes=slopes,
-        known=known,
+        prior_precision=prior_precision,
         level=level,
         kappa=kappa,
         # levels' shares are chosen by it, too
-        doubt=float((freedom + len(level) - 1) / scipy.special.chdtri(freedom, _CONFIDENCE)),
+        variance_factor=float((freedom + len(level) - 1) / scipy.special.chdtri(freedom, _CONFIDENCE)),
         freedom=freedom,
     )
 
 
-def _relative_errors(ensemble: _Ensemble, counts: Reals) -> tuple[float, float]:
-    """Return the relative error of the TFC limit of nested realisations, and what it were at exponents well known."""
+def _relative_error(ensemble: _Ensemble, counts: Reals, known_exponents: bool = False) -> float:
+    """Return the relative error of the TFC limit of nested realisations, or what it were at exponents well known."""
     asked = counts[ensemble.level]
-    information = np.zeros_like(ensemble.covariance)
-    before = 0.0
-    for count in np.unique(asked[asked > 0]):
-        there = np.flatnonzero(asked >= count)
-        information[np.ix_(there, there)] += (count - before) * np.linalg.inv(ensemble.covariance[np.ix_(there, there)])
-        before = count
-    fewest = asked[asked > 0].min()
+    nested = np.argsort(-asked, kind="stable")[: np.count_nonzero(asked)]  # a realisation has the first of these cases
+    asked = asked[nested]
+    # of the inverse covariances of the first cases, each row of the inverse factor is in those of as many realisations
+    whitener = np.linalg.inv(np.linalg.cholesky(ensemble.covariance[np.ix_(nested, nested)]))
+    information = (whitener.T * asked) @ whitener
     # how dear levels go with the cheap ones is told by few surfaces (Lavenberg and Welch 1981)
-    dear = asked[(asked > 0) & (asked < before)]
-    controlled = (fewest / dear).sum()
-    information /= ensemble.doubt * (fewest - 2) / max(1.0, fewest - controlled - 2)
-    variances = []
-    for columns in (ensemble.columns, np.hstack([ensemble.columns, ensemble.slopes])):
-        known = np.diag(ensemble.known[: columns.shape[1]])
-        variances.append(np.linalg.pinv(columns.T @ information @ columns + known, hermitian=True)[0, 0])
-    of_surfaces, error = np.sqrt(variances) / abs(ensemble.kappa)
-    return float(error), float(of_surfaces)
+    fewest = asked[-1]
+    controlled = (fewest / asked[asked < asked[0]]).sum()
+    information /= ensemble.variance_factor * (fewest - 2) / max(1.0, fewest - controlled - 2)
+    columns = ensemble.columns if known_exponents else np.hstack([ensemble.columns, ensemble.slopes])
+    columns, prior_precision = columns[nested], np.diag(ensemble.prior_precision[: columns.shape[1]])
+    variance = np.linalg.pinv(columns.T @ information @ columns + prior_precision, hermitian=True)[0, 0]
+    return float(np.sqrt(variance) / abs(ensemble.kappa))
 
 
 _WELL_KNOWN = 1e8  # one over the variance of an interaction, in units of its likely scatter
@@ -117,9 +113,9 @@ _OF_THE_FACTOR = 0.9  # with which the true error of a fit is no larger than the
 class Prediction:
     """Relative error of the TFC limit to expect of one group, times the `factor`.
 
-    `exponents` and `interactions` are the parts of it, in quadrature, that would go if these were known. The factor is
-    the one on a fit's error that allows for its own uncertainty. `caution` is how much larger the error is that
-    `cheapest_design` promises: a design is chosen once, where a run can go on.
+    `exponents` and `interactions` are the parts of the error, in quadrature, that would vanish if these were known. The
+    factor allows for the uncertainty of the error of a fit itself. `caution` is the ratio of the error that
+    `cheapest_design` promises to this one: a design is chosen once, where a run can go on.
     """
 
     error: float
@@ -132,14 +128,14 @@ class Prediction:
 def _predicted(ensemble: _Ensemble, counts: Reals) -> Prediction:
     """Error of one group for numbers of realisations (level)."""
     factor = float(np.sqrt(ensemble.freedom / scipy.special.chdtri(ensemble.freedom, _OF_THE_FACTOR)))
-    # the doubt is about the scatter of surfaces, not about what is known before
-    sober = replace(ensemble, doubt=factor**2)
-    error, of_surfaces = _relative_errors(sober, counts)
-    caution = _relative_errors(ensemble, counts)[0] / error
-    known = ensemble.known.copy()
-    coefficients = known[: ensemble.columns.shape[1]]
+    # the factor is on the scatter of surfaces, not on the prior
+    sober = replace(ensemble, variance_factor=factor**2)
+    error, of_surfaces = (_relative_error(sober, counts, known_exponents) for known_exponents in (False, True))
+    caution = _relative_error(ensemble, counts) / error
+    prior_precision = ensemble.prior_precision.copy()
+    coefficients = prior_precision[: ensemble.columns.shape[1]]
     coefficients[coefficients > 0] = _WELL_KNOWN
-    additive = _relative_errors(replace(sober, known=known), counts)[0]  # with the interactions known
+    additive = _relative_error(replace(sober, prior_precision=prior_precision), counts)  # with interactions known
     exponents, interactions = (float(np.sqrt(max(0.0, error**2 - less**2))) for less in (of_surfaces, additive))
     return Prediction(error, exponents, interactions, factor, caution)
 
@@ -158,7 +154,7 @@ class _Choice:
 
     def error(self, counts: Reals) -> float:
         """Relative error of the group that has the largest."""
-        return max(_relative_errors(ensemble, counts)[0] for ensemble in self.ensembles)
+        return max(_relative_error(ensemble, counts) for ensemble in self.ensembles)
 
 
 @dataclass(frozen=True)

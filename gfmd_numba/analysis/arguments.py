@@ -105,7 +105,7 @@ def checked(function: Callable[Given, Result]) -> Callable[Given, Result]:
 
 def _check_of(kind: Any) -> Callable[[object, str], Any] | None:
     for each in getattr(kind, "__metadata__", ()):
-        if hasattr(each, "checked"):  # a `Kind`, or the `Form` of a dataset
+        if hasattr(each, "checked"):  # a `Kind`, or a `DatasetForm`
             return cast(Callable[[object, str], Any], each.checked)
     if type(None) in get_args(kind) and (check := _check_of(get_args(kind)[0])) is not None:
         return lambda given, name: None if given is None else check(given, name)

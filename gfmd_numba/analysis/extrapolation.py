@@ -1,19 +1,36 @@
 """Extrapolation to the thermodynamic, fractal and continuum (TFC) limit, thesis (4.3).
 
 The discretisations are eps_c = 2 dx / lambda_s, eps_f = lambda_s / lambda_l and eps_t = lambda_l / L_x, where lambda_s
-and lambda_l are the shortest and the longest wavelength.
+and lambda_l are the shortest and the longest wavelength. The model of the means y of the cases is
 
-A mean at eps_i is v_tfc + sum_i C_i x_i + sum_ij C_ij x_i x_j, with the law x_i = eps_i^alpha_i, or of eps_f for kappa
-the law of the unseen slope. An exponent is uniform in its range beforehand, and without one uniform in its logarithm.
-If chi^2 exceeds its limit of 95 %, the coarsest levels are left out; where that does not help, all variances are
-multiplied by a factor that makes chi^2 fit.
+    y = v + sum_i C_i x_i + sum_ij C_ij x_i x_j,    x_i = eps_i^alpha_i,
 
-All parameters of the laws of the three limits count by how well they fit, and so do the laws where more than one is
-possible: the limit is the mean over them, and its error holds the scatter between them and that of the surfaces. A
-campaign gives the exponents the ranges of `theory/exponent_ranges.py`; `fit_tfc` without `fixed` takes the widest ones,
-`laws.BOUNDS`. As a law need not hold beyond its levels, 0.3 of the distance from the finest level to the limit is added
-to the error in quadrature (less for the law of the unseen slope), and so is the distance to the fits that rival this
-one (`limit_errors.py`).
+or for kappa against eps_f the law of the unseen slope (`laws.py`). Before there are data, an exponent is uniform in its
+range, and without a range uniform in its logarithm. A campaign gives the ranges of `theory/exponent_ranges.py`;
+`fit_tfc` without `fixed` takes the widest ones, `laws.BOUNDS`.
+
+At node n of a quadrature over the parameters of the laws, the model has the design matrix A_n (case, coefficient) and
+is linear in its coefficients c = (v, corrections, interactions). With the covariance V of the means (`gauss_markov.py`)
+and the prior precision P of c (`exponent_posterior.py`),
+
+    chi_n^2 = min over c of (y - A_n c)^T V^-1 (y - A_n c) + c^T P c,    S_n = (A_n^T V^-1 A_n + P)^-1.
+
+Node n has the weight w_n ~ volume times prior times exp(-chi_n^2 / 2), sum_n w_n = 1. With the limit v_n at each node,
+
+    v_tfc = sum_n w_n v_n,
+    error^2 = sum_n w_n (v_n - v_tfc)^2     the laws and their parameters     (sources eps_c, eps_f and eps_t)
+            + sum_n w_n (S_n)_vv            scatter of surfaces, and priors   (sources sampling and interaction)
+            + sum_n w_n sum_i d_ni^2        laws beyond their finest levels   (source extrapolation)
+            + r^2                           fits that disagree with this one  (source rivals).
+
+Where groups share exponents, the chi_n^2 of all groups add up in w_n. The error d_ni is 0.3 of the distance from the
+finest level of limit i to its limit. It is less under the law of the unseen slope, and the whole distance if the data
+press an exponent against the end of its range. The largest disagreement with another fit is r. Both are found in
+`limit_errors.py`, whose `error_budget` divides error^2 among the sources. The residuals of the solvers are not part of
+error^2: a note tells of them where they count.
+
+If chi^2 exceeds its limit of 95 %, the coarsest levels are left out. If that does not help, V is multiplied by the
+`misfit_factor` that makes chi^2 fit. If v_tfc lies beyond what the variable can be, the distribution of v is cut there.
 """
 
 from collections import Counter
@@ -27,10 +44,10 @@ import xarray as xr
 
 from gfmd_numba.analysis import limit_errors
 from gfmd_numba.analysis.arguments import Exponents, Fixed, Flag, Variable, checked
-from gfmd_numba.analysis.exponent_posterior import ChoiceOfLaws, Laws, Linear, Means, along, shares, weighed
+from gfmd_numba.analysis.exponent_posterior import ChoiceOfLaws, Laws, Linear, Means, along, posterior_weights, weighed
 from gfmd_numba.analysis.fit_dataset import N_PARAMETERS, PAIRS, SOURCES, STEPS, GroupFit, fit_dataset, named
 from gfmd_numba.analysis.forms import CAMPAIGN
-from gfmd_numba.analysis.gauss_markov import excess_misfit, means_of
+from gfmd_numba.analysis.gauss_markov import means_of, misfit_factor
 from gfmd_numba.analysis.laws import POWER, UNSEEN_SLOPE, Given, choices, exponent_range
 from gfmd_numba.analysis.limit_errors import Rival
 from gfmd_numba.analysis.selection import LIMITS, Group, fractions, groups_to_fit, joined, processor_time, steps_of
@@ -60,18 +77,17 @@ def fit_tfc(
 ) -> xr.Dataset:
     """Fit thesis (4.3), with interactions of the limits, to each group's case means.
 
-    Of an exponent fixed to a range (low, high) every value in it counts by how well it fits, and the errors include
-    not knowing it. They also include that corrections taken one at a time may not add up, which only cross levels
-    tell.
-    Only realisations that are good in all of a group's cases enter it, and cases at eps_c = 1 are omitted unless
-    the group's reference is one. Corrections count from the group's reference case; of several, as eps in a
-    campaign's `grid` leaves them, from the finest, and without any from the finest levels. Output: the limit, under
-    the name of the variable with `_tfc` behind it like kappa_tfc or mean_gap_tfc, reference (mean of the reference
-    case) and message (one line for each thing to know) over (group), C, alpha and correction over (group, limit),
-    interaction over (group, pair), their errors, error_budget over (group, source). All but alpha have the unit of the
-    variable. Also seconds of processor time over (group), where groups that share a problem each count it; the
-    attribute cpu_seconds counts it once. nan and fit_status "refused" where an exponent is not identified; ValueError
-    for an unknown variable, mode or limit, or a wrong fixed exponent.
+    An exponent may be `fixed` to a number or to a range (low, high): then every value in the range counts by how well
+    it fits, and the errors include the scatter between these values. The errors also allow for corrections that do not
+    add up, which only cross levels measure. Only realisations that are good in all of a group's cases enter it, and
+    cases at eps_c = 1 are omitted unless the group's reference is one. Corrections count from the group's reference
+    case; of several, as eps in a campaign's `grid` leaves them, from the finest, and without any from the finest
+    levels. Output: the limit, under the name of the variable with `_tfc` behind it like kappa_tfc or mean_gap_tfc,
+    reference (mean of the reference case) and message (one line for each thing to know) over (group), C, alpha and
+    correction over (group, limit), interaction over (group, pair), their errors, error_budget over (group, source). All
+    but alpha have the unit of the variable. Also seconds of processor time over (group), where groups that share a
+    problem each count it; the attribute cpu_seconds counts it once. nan and fit_status "refused" where an exponent is
+    not identified; ValueError for an unknown variable, mode or limit, or a wrong fixed exponent.
 
     Each step of a loading path, or the one that is given as `step`, is fitted for itself, so that groups also differ
     in `path_step`; what is known of the path as a whole, like `pull_off_pressure`, is fitted once.
@@ -133,15 +149,15 @@ def _fit_family(groups: Sequence[Group], variable: str, given: Given) -> list[Gr
     laws = _choices(groups, given)
     whole = found = _weighed(groups, laws)
     left_out: list[str] = []
-    while found.excess > 1.0 and (fewer := limit_errors.without_coarsest(found.groups)) is not None:
+    while found.misfit_factor > 1.0 and (fewer := limit_errors.without_coarsest(found.groups)) is not None:
         left_out.append(fewer[0])
         found = _weighed(fewer[1], laws)
-    if found.excess > 1.0:  # no law describes any of the levels, so that there is no reason to leave some out
+    if found.misfit_factor > 1.0:  # no law describes any of the levels, so that there is no reason to leave some out
         left_out, found = [], whole
-    doubt = limit_errors.doubtful(found.groups, found.choices, found.share)
-    if doubt:
-        advice = limit_errors.advice(doubt, variable, groups[0].dimension)
-        return [_refused(group, "\n".join([*_reasons(group, doubt), advice])) for group in groups]
+    why = limit_errors.unidentified_exponents(found.choices, found.weights)
+    if why:
+        advice = limit_errors.advice(why, variable, groups[0].dimension)
+        return [_refused(group, "\n".join([*_reasons(group, why), advice])) for group in groups]
     others = [
         (rival, _weighed(rival.groups, _choices(rival.groups, rival.given)))
         for rival in limit_errors.rivals(found.groups, given)
@@ -153,19 +169,19 @@ def _fit_family(groups: Sequence[Group], variable: str, given: Given) -> list[Gr
 class _Weighed:
     """The fits of some groups by every choice of laws.
 
-    `share` weighs their nodes. `excess` is by how much the variances of the means are enlarged, where no law describes
-    them.
+    `weights` are those of the nodes of each choice. The covariance of the means has been multiplied by the
+    `misfit_factor`, 1 where a law describes them.
     """
 
     groups: Sequence[Group]
     means: list[Means]
     choices: list[ChoiceOfLaws]
-    share: list[Reals]
-    excess: float
+    weights: list[Reals]
+    misfit_factor: float
 
     def limit_of(self, index: int) -> tuple[float, float]:
         """Return the limit of one group and its variance."""
-        weight = np.concatenate(self.share)
+        weight = np.concatenate(self.weights)
         value = np.concatenate([choice.fits[index].coefficients[:, 0] for choice in self.choices])
         variance = np.concatenate([choice.fits[index].covariance[:, 0, 0] for choice in self.choices])
         mean = float(weight @ value)
@@ -175,33 +191,33 @@ class _Weighed:
 def _weighed(groups: Sequence[Group], laws: Sequence[Laws]) -> _Weighed:
     means = [means_of(group, group.values[group.complete]) for group in groups]
     found = [weighed(means, choice) for choice in laws]
-    excess = excess_misfit(groups, means, found)
-    if excess > 1.0:  # no law describes the means within their errors, which are enlarged until one does
-        means = [replace(each, whitener=each.whitener / np.sqrt(excess)) for each in means]
+    factor = misfit_factor(groups, means, found)
+    if factor > 1.0:  # no law describes the means within their errors, which are enlarged until one does
+        means = [replace(each, whitener=each.whitener / np.sqrt(factor)) for each in means]
         found = [weighed(means, choice) for choice in laws]
-    return _Weighed(groups, means, found, shares(found), excess)
+    return _Weighed(groups, means, found, posterior_weights(found), factor)
 
 
 def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], left_out: Sequence[str]) -> GroupFit:
-    group, means, found, share = whole.groups[index], whole.means[index], whole.choices, whole.share
+    group, means, found, weights = whole.groups[index], whole.means[index], whole.choices, whole.weights
     fits = [choice.fits[index] for choice in found]
-    weight = np.concatenate(share)
+    weight = np.concatenate(weights)
     value = np.concatenate([_parameters(group, fit) for fit in fits])
     variance = np.concatenate([_parameters(group, fit, variances=True) for fit in fits])
-    at_an_end = limit_errors.pressed(found, share)
-    by_limit = np.concatenate([limit_errors.doubts(index, group, means, choice, at_an_end) for choice in found]) ** 2
+    at_an_end = limit_errors.pressed(found, weights)
+    of_each = [limit_errors.extrapolation_errors(index, group, means, choice, at_an_end) for choice in found]
+    by_limit = np.concatenate(of_each) ** 2
     mine = whole.limit_of(index)
-    by_rival = max((rival.doubt(*mine, *other.limit_of(index)) ** 2 for rival, other in others), default=0.0)
+    by_rival = max((rival.error(*mine, *other.limit_of(index)) ** 2 for rival, other in others), default=0.0)
     variance[:, 0] += by_limit.sum(axis=1) + by_rival
     likeliest = value[weight.argmax()]
     estimate = likeliest + weight @ (value - likeliest)  # what is the same at all nodes stays exactly that
     error = np.sqrt(weight @ (variance + (value - estimate) ** 2))
-    budget = limit_errors.error_budget(index, means, found, share, group.residual_error)
     extrapolation_error = np.sqrt(weight @ by_limit)
-    budget[SOURCES.index("extrapolation")] = np.sqrt((extrapolation_error**2).sum())
-    budget[SOURCES.index("rivals")] = np.sqrt(by_rival)
+    beyond_the_fit = extrapolation_error, float(np.sqrt(by_rival))
+    budget = limit_errors.error_budget(index, means, found, weights, beyond_the_fit, group.residual_error)
     deviation = np.sqrt(variance[:, 0])
-    distance = np.sum([s @ limit_errors.distances(index, means, c) for c, s in zip(found, share, strict=True)], 0)
+    distance = np.sum([s @ limit_errors.distances(index, means, c) for c, s in zip(found, weights, strict=True)], 0)
     moments = _possible(group, (estimate[0], error[0]), weight, value[:, 0], deviation)
     if moments is None:
         reason = limit_errors.impossible(group, estimate[0], error[0], distance)
@@ -220,7 +236,7 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
             "ask for a smaller numerics.residual, or time_tolerance"
         )
     low, high = _interval(group, weight, value[:, 0], deviation)
-    rms_residual, chi2 = _misfit(group, means, found, share, index)
+    rms_residual, chi2 = _misfit(group, means, found, weights, index)
     laws = {name: " or ".join(dict.fromkeys(choice.laws[name].name for choice in found)) for name in group.levels}
     return {
         "fit_status": "ok",
@@ -231,11 +247,11 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
         "{variable}_tfc_high": high,
         "error_budget": budget,
         "rms_residual": rms_residual,
-        "chi2": whole.excess * chi2,
-        "misfit": float(np.sqrt(whole.excess)),
+        "chi2": whole.misfit_factor * chi2,
+        "misfit": float(np.sqrt(whole.misfit_factor)),
         "freedom": group.n_cases - fits[0].coefficients.shape[1],
         "law": [laws.get(name, "") for name in LIMITS],
-        **_curve(index, group, means, found, share),
+        **_curve(index, group, means, found, weights),
         "extrapolated": distance,
         "extrapolation_error": extrapolation_error,
         # what the value differs by where an asserted exponent may have its range
@@ -250,23 +266,23 @@ def _notes(
     group, found, mine = whole.groups[index], whole.choices, whole.limit_of(index)
     differing = [(rival, limit_errors.disagreement(*mine, *other.limit_of(index))) for rival, other in others]
     of_theory = [(rival.what, other.limit_of(index)) for rival, other in others if rival.from_theory]
-    far = float(np.sqrt(whole.excess))
+    far = float(np.sqrt(whole.misfit_factor))
     too_far = (
         f"the means lie {far:.3g} times as far from the laws as their errors allow, so all errors are multiplied by "
         f"{far:.3g}; add finer levels, or allow other exponents"
     )
     return [
         *group.notes,
-        *_by_law(index, group, found, whole.share),
+        *_by_law(index, group, found, whole.weights),
         *(
             f"{what}, without what is given of the exponent, {group.variable}_tfc is "
             f"{with_error(value, float(np.sqrt(variance)))}: the error includes this"
             for what, (value, variance) in of_theory
         ),
-        *limit_errors.pressed(found, whole.share).values(),
+        *limit_errors.pressed(found, whole.weights).values(),
         *limit_errors.logarithmic(group, found),
         *limit_errors.additivity(group, error),
-        *limit_errors.of_thin_layers(group, whole.means[index]),
+        *limit_errors.note_of_thin_layers(group, whole.means[index]),
         *(f"{what} is left out, as no law describes it together with the finer levels" for what in left_out),
         *(
             f"{rival.what} the limit differs by {difference:+.2g}, more than by chance: the error includes this"
@@ -277,12 +293,12 @@ def _notes(
     ]
 
 
-def _by_law(index: int, group: Group, found: Sequence[ChoiceOfLaws], share: Sequence[Reals]) -> list[str]:
+def _by_law(index: int, group: Group, found: Sequence[ChoiceOfLaws], weights: Sequence[Reals]) -> list[str]:
     """Return a line with the limit by each law of eps_f, where there are several."""
     if len(found) == 1:
         return []
     limits = []
-    for choice, weight in zip(found, share, strict=True):
+    for choice, weight in zip(found, weights, strict=True):
         value = choice.fits[index].coefficients[:, 0]
         variance = choice.fits[index].covariance[:, 0, 0]
         of_law = weight / max(weight.sum(), 1e-300)
@@ -295,14 +311,14 @@ def _by_law(index: int, group: Group, found: Sequence[ChoiceOfLaws], share: Sequ
 _NAMED = {POWER: "a power of eps_f", UNSEEN_SLOPE: "the law of the unseen slope"}
 
 
-def _curve(index: int, group: Group, means: Means, found: Sequence[ChoiceOfLaws], share: Sequence[Reals]) -> GroupFit:
+def _curve(index: int, group: Group, means: Means, found: Sequence[ChoiceOfLaws], weights: Sequence[Reals]) -> GroupFit:
     """Return levels (limit, step) and the fit there, other limits at the reference; nan where a limit is not varied."""
     eps, value = np.full((2, len(LIMITS), STEPS), np.nan)
     for name, levels in group.levels.items():
         row = LIMITS.index(name)
         eps[row] = np.geomspace(1.1 * levels.max(), levels.min() / 1.25, STEPS)
         value[row] = sum(
-            each @ along(choice, index, means, name, eps[row]) for choice, each in zip(found, share, strict=True)
+            each @ along(choice, index, means, name, eps[row]) for choice, each in zip(found, weights, strict=True)
         )
     return {"curve_eps": eps, "curve": value}
 
@@ -310,7 +326,7 @@ def _curve(index: int, group: Group, means: Means, found: Sequence[ChoiceOfLaws]
 def _parameters(group: Group, fit: Linear, variances: bool = False) -> Reals:
     """Return the parameters of fits as a table, or their variances at known parameters of the laws.
 
-    Those of limits that are not varied are nan.
+    Parameters of limits that are not varied are nan.
     """
     coefficients = np.diagonal(fit.covariance, axis1=1, axis2=2) if variances else fit.coefficients
     power = 2 if variances else 1
@@ -334,29 +350,30 @@ def _possible(
 ) -> tuple[float, float] | None:
     """Return mean and standard deviation, the `moments` of a limit unless the variable cannot be this mean.
 
-    Surfaces may put a limit that is at an end of what is possible beyond it, if only by a small part of the results:
-    then the normal distributions of its values (node) are cut there. None where nothing possible is likely.
+    The scatter of surfaces may move a limit beyond an end of the possible values. If it does so by a small part of the
+    results only, the normal distributions of the values (node) are cut at this end. None if the possible values are
+    unlikely.
     """
     if group.possible[0] <= moments[0] <= group.possible[1]:
         return moments
     ends = np.array(group.possible)[:, np.newaxis]
     low, high = (ends - value) / np.maximum(deviation, np.spacing(abs(value)))
-    share = weight * (scipy.special.ndtr(high) - scipy.special.ndtr(low))
-    likely = float(share.sum())
+    inside = weight * (scipy.special.ndtr(high) - scipy.special.ndtr(low))
+    likely = float(inside.sum())
     if likely < _TAIL or moments[1] > _BY_CHANCE * np.nanmean(abs(group.values)):
         return None
     of_low, of_high = (np.exp(-(each**2) / 2.0) / np.sqrt(2.0 * np.pi) * weight for each in (low, high))
-    mean = (share @ value + deviation @ (of_low - of_high)) / likely
+    mean = (inside @ value + deviation @ (of_low - of_high)) / likely
     slopes = [np.where(np.isfinite(end), end, 0.0) * of_end for end, of_end in ((low, of_low), (high, of_high))]
-    squares = share * (value - mean) ** 2 + 2.0 * (value - mean) * deviation * (of_low - of_high)
-    squares += deviation**2 * (share + slopes[0] - slopes[1])
+    squares = inside * (value - mean) ** 2 + 2.0 * (value - mean) * deviation * (of_low - of_high)
+    squares += deviation**2 * (inside + slopes[0] - slopes[1])
     return float(mean), float(np.sqrt(squares.sum() / likely))
 
 
 def _interval(group: Group, weight: Reals, value: Reals, deviation: Reals) -> tuple[float, float]:
     """Return the ends of the 90 % interval of a mixture of values (node) with Student's distribution around each.
 
-    It has what the variable can be alone, of which a value at an end is part if the interval would reach beyond it.
+    The interval is cut to the possible values of the variable, and includes an end of these that it would pass.
     """
     if group.n_realisations < 2:
         return np.nan, np.nan
@@ -364,37 +381,37 @@ def _interval(group: Group, weight: Reals, value: Reals, deviation: Reals) -> tu
     counts = weight > 1e-12
     weight, value, deviation = weight[counts] / weight[counts].sum(), value[counts], deviation[counts]
 
-    def beyond(end: float, share: float) -> float:
-        return float(weight @ scipy.special.stdtr(freedom, (end - value) / deviation)) - share
+    def beyond(end: float, part: float) -> float:
+        return float(weight @ scipy.special.stdtr(freedom, (end - value) / deviation)) - part
 
     reach = abs(scipy.special.stdtrit(freedom, _TAIL / 100)) * deviation + 4.0 * np.spacing(abs(value))
     furthest = float((value - reach).min()), float((value + reach).max())
     width = furthest[1] - furthest[0]
     least, most = group.possible
     below, up_to = (beyond(end, 0.0) if np.isfinite(end) else float(end > 0.0) for end in (least, most))
-    shares = min(_TAIL, below + _TAIL * (up_to - below)), max(1.0 - _TAIL, up_to - _TAIL * (up_to - below))
-    low, high = (scipy.optimize.brentq(beyond, *furthest, args=(share,), xtol=1e-12 * width) for share in shares)
+    tails = min(_TAIL, below + _TAIL * (up_to - below)), max(1.0 - _TAIL, up_to - _TAIL * (up_to - below))
+    low, high = (scipy.optimize.brentq(beyond, *furthest, args=(tail,), xtol=1e-12 * width) for tail in tails)
     return max(low, least), min(high, most)
 
 
 def _misfit(
-    group: Group, means: Means, found: Sequence[ChoiceOfLaws], share: Sequence[Reals], index: int
+    group: Group, means: Means, found: Sequence[ChoiceOfLaws], weights: Sequence[Reals], index: int
 ) -> tuple[float, float]:
     """Return the rms residual of a group's means, and chi^2 of the likeliest fit, nan of a single realisation."""
     best, node = max(
-        ((choice, int(each.argmax())) for choice, each in zip(found, share, strict=True)),
+        ((choice, int(each.argmax())) for choice, each in zip(found, weights, strict=True)),
         key=lambda pair: pair[0].log_weight[pair[1]],
     )
     fit = best.fits[index]
     covariance = np.linalg.inv(means.whitener.T @ means.whitener)
-    residual = covariance @ fit.pull[node] / 2.0
+    residual = covariance @ fit.misfit_gradient[node] / 2.0
     chi2 = float(fit.misfit[node]) if group.n_realisations > 1 else np.nan
     return float(np.sqrt(np.mean(residual**2))), chi2
 
 
-def _reasons(group: Group, doubt: Mapping[str, str]) -> Iterator[str]:
-    """Yield why the data of a group do not tell exponents: its levels and realisations."""
-    for name, why in doubt.items():
+def _reasons(group: Group, unidentified: Mapping[str, str]) -> Iterator[str]:
+    """Yield why the data of a group do not identify exponents: its levels and realisations."""
+    for name, why in unidentified.items():
         has = f"shared with other groups; {name} is not varied in this one"
         if name in group.levels:
             has = f"levels {fractions(group.levels[name])}, {counted(group.n_realisations, 'realisation')}"

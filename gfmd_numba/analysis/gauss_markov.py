@@ -1,10 +1,9 @@
-"""Least-variance means of the cases of a campaign, and their covariance.
+"""Least-variance means of the cases of a campaign, and their covariance V.
 
-Realisation r is the same random surface in every case, so the case means are strongly correlated, and a
-finer eps_f or eps_t averages over more asperities, so their variances differ several-fold: each group is
-weighed by its covariance. That of ten cases from thirty realisations is too noisy to be used raw: it is
-shrunk towards "common offset plus independent residuals" with the weight of twice as many
-pseudo-realisations as there are cases.
+Realisation r is the same random surface in every case, so the case means are strongly correlated. A finer eps_f or
+eps_t averages over more asperities, so the variances of the means differ several-fold. The fit weighs the means of a
+group by V^-1. The sample covariance of ten cases from thirty realisations is too noisy to be used raw. It is shrunk
+towards "common offset plus independent residuals", as if there were two pseudo-realisations more for each case.
 """
 
 from collections.abc import Sequence
@@ -43,10 +42,11 @@ def best_means(values: Reals, covariance: Reals) -> tuple[Reals, Reals]:
 
 
 def scatter_of_means(values: Reals, covariance: Reals, of_means: Reals) -> Reals:
-    """Return the covariance (case, case) of the best means as the realisations themselves tell it (White 1980).
+    """Return the covariance (case, case) of the best means from the scatter of the realisations (White 1980).
 
-    The weights of the means follow from the `covariance` of one realisation, which is only estimated; `of_means` is
-    what it says of the means. The mean of each design, realisations that were asked of the same cases, is taken off.
+    The weights of the means follow from the estimated `covariance` of one realisation, and so does the covariance
+    `of_means`; the scatter found here does not rely on that estimate. Realisations of the same cases form a design; the
+    mean of each design is subtracted.
     """
     mean, present = np.nanmean(values, axis=0), np.isfinite(values)
     patterns, member = np.unique(present, axis=0, return_inverse=True)
@@ -64,7 +64,7 @@ def scatter_of_means(values: Reals, covariance: Reals, of_means: Reals) -> Reals
 def covariance_of_one(values: Reals) -> Reals:
     """Return the covariance (case, case) of one realisation's values, nan where there are none.
 
-    Complete, it is the shrunk one; with cases of few realisations among others of many, the tree.
+    If all realisations have all cases, it is the shrunk sample covariance, and otherwise that of a tree (`_tree`).
     """
     present = np.isfinite(values)
     centred = np.where(present, values - np.nanmean(values, axis=0), 0.0)
@@ -86,9 +86,10 @@ def covariance_of_one(values: Reals) -> Reals:
 
 
 def _unseen_variance(centred: Reals, present: NDArray[np.bool_]) -> Reals:
-    """Return the variance (case) that equal values may hide, 0 where they differ.
+    """Return the variance (case) that equal values may hide, 0 for cases whose values differ.
 
-    By the rule of succession one realisation in n + 2 has another value where n do not, as far off as others are.
+    By the rule of succession, if n realisations have one value, the next has another with probability 1 / (n + 2). We
+    assume that it differs by as much as deviating values of the other cases do.
     """
     scatters = abs(centred).max(axis=0) > 1e-9 * abs(centred).max()
     if scatters.all():
@@ -169,20 +170,20 @@ def means_of(group: Group, values: Reals) -> Means:
     """Return a group's means of values (realisation, case), nan where a case was not asked of a realisation."""
     covariance = covariance_of_one(values)
     mean, of_means = best_means(values, covariance)
-    waning = (
-        exponent_posterior.POWER_OF_WANING[group.dimension]
+    interaction_power = (
+        exponent_posterior.INTERACTION_POWER[group.dimension]
         if has_slope_law(group.variable, group.parameters.get("hurst", np.nan), group.load)
         else 1.0
     )
-    means = Means(mean, np.linalg.inv(np.linalg.cholesky(of_means)), group.levels, group.reference, waning)
+    means = Means(mean, np.linalg.inv(np.linalg.cholesky(of_means)), group.levels, group.reference, interaction_power)
     scatter = scatter_of(values)
     if scatter is None:
         return means
     influence, contrasts = exponent_posterior.linear_influence(means)
     fewest = int(np.isfinite(values).sum(axis=0).min())
     ratio = (influence @ scatter @ influence) / (influence @ of_means @ influence)
-    # the covariance is only estimated, and the weights of contrasts come from the same realisations as the means, of
-    # which some case has few (Lavenberg and Welch 1981)
+    # V is only estimated, and the weights of contrasts come from the same realisations as the means; some case may have
+    # few of them (Lavenberg and Welch 1981)
     factor = float(ratio * (1.0 + contrasts / fewest))
     return replace(means, whitener=means.whitener / np.sqrt(factor))
 
@@ -198,11 +199,11 @@ def scatter_of(values: Reals) -> Reals | None:
     return scatter_of_means(values, covariance, of_means) + np.diag(unseen / present.sum(axis=0))
 
 
-def excess_misfit(groups: Sequence[Group], means: Sequence[Means], found: Sequence[ChoiceOfLaws]) -> float:
+def misfit_factor(groups: Sequence[Group], means: Sequence[Means], found: Sequence[ChoiceOfLaws]) -> float:
     """Return chi^2 of the best laws over what one in twenty campaigns would exceed by chance, at least 1.
 
-    It is that of the means alone: coefficients other than expected are no misfit of a law. How it is distributed
-    follows from the scatter of the means, as the covariance that weighs them is only estimated (Satterthwaite 1946).
+    The chi^2 is that of the means without the prior: coefficients other than expected are no misfit of a law. Its
+    distribution follows from the scatter of the means, as V is only estimated (Satterthwaite 1946).
     """
     found_scatters = [scatter_of(group.values[group.complete]) for group in groups]
     scatters = [scatter for scatter in found_scatters if scatter is not None]
@@ -214,8 +215,8 @@ def excess_misfit(groups: Sequence[Group], means: Sequence[Means], found: Sequen
         best = int(np.argmin(np.sum([fit.misfit for fit in choice.fits], axis=0)))
         chi2 = expected = squares = 0.0
         for each, scatter in zip(means, scatters, strict=True):
-            before = exponent_posterior.known_before(each, choice.laws)
-            weights = exponent_posterior.misfit_form(each, choice.laws, choice.nodes[best], before)
+            prior_std = exponent_posterior.prior_deviations(each, choice.laws)
+            weights = exponent_posterior.misfit_form(each, choice.laws, choice.nodes[best], prior_std)
             chi2 += float(each.values @ weights @ each.values)
             form = weights @ scatter
             expected += float(np.trace(form))

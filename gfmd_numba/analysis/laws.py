@@ -1,9 +1,9 @@
-"""How a correction goes to 0 with its discretisation: the laws a fit chooses from, and what is known of them before.
+"""Laws by which a correction goes to 0 with its discretisation, and the priors of their parameters.
 
-A law is a function of eps with parameters of its own, to which a correction is in proportion. Thesis (4.3) takes powers
+A correction is a coefficient times its law, a function of eps with parameters of its own. Thesis (4.3) takes powers
 eps^alpha. The fractal limit of kappa has a law from theory: contacts lie on the crests of the longest waves, whose
-slope they do not see, so that kappa = kappa_tfc / sqrt(1 - S), where S is the share of g^2 in the waves that are not
-seen. The spectrum gives S at every eps_f, and at H = 1 too, where no power has the right limit.
+slope they do not see, so that kappa = kappa_tfc / sqrt(1 - S). S is the part of g^2 in the waves that contacts do not
+see. The spectrum gives S at every eps_f, and at H = 1 too, where no power has the right limit.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -91,14 +91,14 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Law:
-    """The law of a limit: `excess` maps eps (level) and parameters (node, parameter) to values (node, level).
+    """The law of a limit: `value` maps eps (level) and parameters (node, parameter) to values (node, level).
 
-    The correction of the limit is in proportion to them. The excess of a law that `scales_limit` is the correction over
-    the TFC limit: such a law has no coefficient of its own.
+    The correction of the limit is a coefficient times the value. The value of a law that `scales_limit` is the
+    correction over the TFC limit: such a law has no coefficient of its own.
     """
 
     parameters: tuple[Parameter, ...]
-    excess: Callable[[Reals, Reals], Reals]
+    value: Callable[[Reals, Reals], Reals]
     scales_limit: bool = False
 
     @property
@@ -125,7 +125,7 @@ def unseen_slope(hurst: float, load: float = np.nan, dimension: int = 1, is_meas
     """
     nodes, weights = gauss(_POINTS)
 
-    def excess(eps: Reals, parameters: Reals) -> Reals:
+    def value(eps: Reals, parameters: Reals) -> Reals:
         once, same = np.unique(parameters @ [1.0, 1.0j], return_inverse=True)  # nodes of other limits repeat them
         half, steepness = np.log(once.real[:, np.newaxis, np.newaxis]), once.imag[:, np.newaxis, np.newaxis]
         octaves = -np.log(eps)
@@ -145,7 +145,7 @@ def unseen_slope(hurst: float, load: float = np.nan, dimension: int = 1, is_meas
         cut = Parameter("eps_f", *ends, logarithmic=True, usual=(median, factor_of_cuts))
     usual_tail = (float(np.exp(0.25 - 0.95 * hurst)), factor_of_tails)
     tail = Parameter("eps_f", *_TAILS, logarithmic=True, usual=usual_tail)
-    return Law((cut, tail), excess, scales_limit=True)
+    return Law((cut, tail), value, scales_limit=True)
 
 
 def choices(limits: Sequence[str], groups: Sequence[Group], given: Given) -> list[dict[str, Law]]:

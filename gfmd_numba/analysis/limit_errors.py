@@ -1,13 +1,15 @@
-"""The error of a TFC limit: what may be wrong with a fit of (4.3), the fits that rival it, and what its error is of.
+"""The error of a TFC limit: why a fit of (4.3) is refused, its extrapolation error, its rivals, and the error budget.
 
-Data may not tell a parameter, or press an exponent against an end of its range. Where fits of fewer levels, or of
-exponents that nobody asserts, disagree with a fit, its laws do not hold.
+A fit is refused if the data do not identify one of its parameters, and warned of if they press an exponent against an
+end of its range. Rivals are fits of fewer levels, or without the exponents that the user asserts. If a rival disagrees
+with a fit, the laws of the fit do not hold, and its error includes the disagreement.
 
-A law that fits the levels need not hold beyond them, so the error of a limit counts a part of the distance that the
-law bridges. A power is off in proportion to this distance: exponents drift, because a correction is a sum of several
-powers. The law of the unseen slope has no exponent that could drift. It errs by less where the distance is short, and
-never by more than a small part of the limit, where the finest level has enough waves and the load is none of the
-lightest. A limit that is smaller than this distance has an error as large as that.
+A law that fits the levels need not hold beyond them. So the error of a limit includes an extrapolation error, a part of
+the distance D from the finest level to the limit. For a power it is 0.3 D: exponents drift, because a correction is a
+sum of several powers. The law of the unseen slope has no exponent that could drift. Its extrapolation error falls with
+D^2 where D is short, and never exceeds 0.02 of the limit v, if the finest level has enough waves and the load is not
+too light. If D > |v| for a variable of one sign, the extrapolation error is D. The formula of the whole error is at the
+head of `extrapolation.py`.
 """
 
 from collections.abc import Collection, Iterator, Sequence
@@ -17,7 +19,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from gfmd_numba.analysis.exponent_posterior import ChoiceOfLaws, Laws, Means, excess, known_before, linear
+from gfmd_numba.analysis.exponent_posterior import (
+    ChoiceOfLaws,
+    Laws,
+    Means,
+    law_value,
+    linear,
+    prior_deviations,
+)
 from gfmd_numba.analysis.fit_dataset import PAIRS, SOURCES, in_the_limit, named
 from gfmd_numba.analysis.laws import BOUNDS, STEEPEST, UNSEEN_SLOPE, Given, choices
 from gfmd_numba.analysis.selection import FEWEST_STRETCHES, LIMITS, Group, fractions, is_light
@@ -28,9 +37,9 @@ from gfmd_numba.theory.exponent_ranges import exponent_ranges
 _PRESSED = 0.15  # of a range: the mean of an exponent that the data do not know lies in its middle
 _AT_THE_END = 0.02  # of a range: the 90 % interval of an exponent that the data press begins closer to its end
 _WORTH_A_CROSS_LEVEL = 0.2  # of the error: less hardly adds to it
-_COUNTS = 0.05  # share of the weight below which a choice of laws is not spoken of
+_COUNTS = 0.05  # weight below which a choice of laws is not spoken of
 # ends of the 90 % interval of a free exponent before there are data: beyond them, the data press it against a bound
-_LOWEST, _HIGHEST = (float(BOUNDS[0] ** (1 - share) * BOUNDS[1] ** share) for share in (0.05, 0.95))
+_LOWEST, _HIGHEST = (float(BOUNDS[0] ** (1 - quantile) * BOUNDS[1] ** quantile) for quantile in (0.05, 0.95))
 WIDEST = 8.0  # ratio of the ends of an exponent's 90 % interval beyond which it is not identified
 
 
@@ -98,47 +107,47 @@ def shortage(groups: Sequence[Group], choices: Sequence[Laws]) -> str:
     return ""
 
 
-def doubtful(groups: Sequence[Group], choices: Sequence[ChoiceOfLaws], shares: Sequence[Reals]) -> dict[str, str]:
+def unidentified_exponents(choices: Sequence[ChoiceOfLaws], weights: Sequence[Reals]) -> dict[str, str]:
     """Return the free exponents that the data do not identify, and why."""
-    doubt = {}
+    unidentified = {}
     for limit in LIMITS:
-        for choice, share in zip(choices, shares, strict=True):
+        for choice, weight in zip(choices, weights, strict=True):
             for index, parameter in enumerate(choice.parameters):
-                if parameter.limit != limit or not parameter.is_free or share.sum() < _COUNTS:
+                if parameter.limit != limit or not parameter.is_free or weight.sum() < _COUNTS:
                     continue
-                low, high = _ends(choice.nodes[:, index], share)
+                low, high = _ends(choice.nodes[:, index], weight)
                 found = f"with 90 % interval {low:.3g} to {high:.3g}"
                 if low < 1.1 * _LOWEST and high > 0.9 * _HIGHEST:
-                    doubt[limit] = "has no influence on the fit"
+                    unidentified[limit] = "has no influence on the fit"
                 elif low < _LOWEST or high > _HIGHEST:
-                    doubt[limit] = f"{found} touches the bounds {BOUNDS[0]:g} and {BOUNDS[1]:g}"
+                    unidentified[limit] = f"{found} touches the bounds {BOUNDS[0]:g} and {BOUNDS[1]:g}"
                 elif high > WIDEST * low:
-                    doubt[limit] = f"{found} is uncertain by more than a factor {WIDEST:g}"
-    return doubt
+                    unidentified[limit] = f"{found} is uncertain by more than a factor {WIDEST:g}"
+    return unidentified
 
 
-def _ends(values: Reals, share: Reals) -> tuple[float, float]:
+def _ends(values: Reals, weight: Reals) -> tuple[float, float]:
     """Return the ends of the 90 % interval of weighed values."""
     order = np.argsort(values)
-    below = np.cumsum(share[order]) / share.sum()
-    # in the middle of each value's share, so that few values do not end at the outermost
-    low, high = np.interp([0.05, 0.95], below - share[order] / share.sum() / 2.0, values[order])
+    below = np.cumsum(weight[order]) / weight.sum()
+    # in the middle of each value's weight, so that few values do not end at the outermost
+    low, high = np.interp([0.05, 0.95], below - weight[order] / weight.sum() / 2.0, values[order])
     return float(low), float(high)
 
 
-def pressed(choices: Sequence[ChoiceOfLaws], shares: Sequence[Reals]) -> dict[str, str]:
+def pressed(choices: Sequence[ChoiceOfLaws], weights: Sequence[Reals]) -> dict[str, str]:
     """Return the limits whose exponent the data press against the low end of its range, and a line for each.
 
-    Where another law is at least as likely, the error has the scatter between the two.
+    If another law is at least as likely, the error includes the scatter between the two laws.
     """
     lines = {}
-    for choice, share in zip(choices, shares, strict=True):
+    for choice, weight in zip(choices, weights, strict=True):
         for index, parameter in enumerate(choice.parameters):
-            if parameter.logarithmic or parameter.low == parameter.high or share.sum() <= 0.5:
+            if parameter.logarithmic or parameter.low == parameter.high or weight.sum() <= 0.5:
                 continue
             low, high = parameter.low, parameter.high
             values = choice.nodes[:, index]
-            mean, least = share @ values / share.sum(), _ends(values, share)[0]
+            mean, least = weight @ values / weight.sum(), _ends(values, weight)[0]
             # a small exponent that the data know well is not pressed
             if mean < low + _PRESSED * (high - low) and least < low + _AT_THE_END * (high - low):
                 lines[parameter.limit] = (
@@ -197,7 +206,7 @@ class Rival:
     """Another fit of the same groups, and what it does differently, in words.
 
     `asserted` is the limit whose exponent the fit asserts and the rival does not, "" where the rival has fewer levels.
-    A rival `from_theory` is better founded than the fit, whose error is then not below that of the rival.
+    A rival `from_theory` is better founded than the fit: then the error of the fit is at least that of the rival.
     """
 
     what: str
@@ -206,7 +215,7 @@ class Rival:
     asserted: str = ""
     from_theory: bool = False
 
-    def doubt(self, value: float, variance: float, rival: float, rival_variance: float) -> float:
+    def error(self, value: float, variance: float, rival: float, rival_variance: float) -> float:
         """Return the error of a fitted value that is due to this rival."""
         if not self.from_theory:
             return abs(disagreement(value, variance, rival, rival_variance))
@@ -288,7 +297,7 @@ def distances(index: int, means: Means, choice: ChoiceOfLaws) -> Reals:
     found = np.full((len(choice.nodes), len(LIMITS)), np.nan)
     coefficients = choice.fits[index].coefficients
     for row, limit in enumerate(means.levels, start=1):
-        at = excess(choice.laws, limit, np.array([means.finest(limit), means.reference[limit]]), choice.nodes)
+        at = law_value(choice.laws, limit, np.array([means.finest(limit), means.reference[limit]]), choice.nodes)
         ratio = at[:, :1] / at[:, 1:]
         alone = coefficients[:, row] * ratio[:, 0]
         together = alone + means.of_pairs(limit, ratio, coefficients)[:, 0]
@@ -296,7 +305,7 @@ def distances(index: int, means: Means, choice: ChoiceOfLaws) -> Reals:
     return found
 
 
-def doubt(distance: Reals, limit: Reals, scales_limit: bool) -> Reals:
+def extrapolation_error(distance: Reals, limit: Reals, scales_limit: bool) -> Reals:
     """Return the standard error (...) of limits by the distances (...) that laws of either kind bridge."""
     found: Reals = _OF_THE_DISTANCE * abs(distance)
     if not scales_limit:
@@ -311,11 +320,13 @@ def _was_measured(finest: Reals | float, dimension: int, load: Reals | float) ->
     return (np.asarray(finest) <= _COARSEST[dimension]) & ~is_light(load)
 
 
-def doubts(index: int, group: Group, means: Means, choice: ChoiceOfLaws, at_an_end: Collection[str] = ()) -> Reals:
+def extrapolation_errors(
+    index: int, group: Group, means: Means, choice: ChoiceOfLaws, at_an_end: Collection[str] = ()
+) -> Reals:
     """Return the standard error of each limit by the distance that its law bridges (node, limit), 0 if not varied.
 
-    It is the whole distance if data press an exponent against an end of its range, or if the limit of what has one sign
-    is nearer to 0. Layers add to that in eps_t.
+    The error is the whole distance if the data press an exponent against an end of its range, or if a limit of a
+    variable of one sign is nearer to 0 than the distance. Layers add an error to that of eps_t (`layer_error`).
     """
     far = abs(np.nan_to_num(distances(index, means, choice)))
     limit, found = choice.fits[index].coefficients[:, 0], far.copy()
@@ -324,36 +335,36 @@ def doubts(index: int, group: Group, means: Means, choice: ChoiceOfLaws, at_an_e
             scales_limit = choice.laws[name].scales_limit and bool(
                 _was_measured(means.finest(name), group.dimension, group.load)
             )
-            share = _OF_MEASURED if scales_limit and group.has_measured_slope_law else 1.0
-            found[:, column] = share * doubt(found[:, column], limit, scales_limit)
+            factor = _OF_MEASURED if scales_limit and group.has_measured_slope_law else 1.0
+            found[:, column] = factor * extrapolation_error(found[:, column], limit, scales_limit)
     if np.isfinite(group.possible).any():
         size = limit if group.possible[0] == 0.0 else -limit
         found = np.where(far > size[:, np.newaxis], far, found)
     column = LIMITS.index("eps_t")
-    found[:, column] = np.hypot(found[:, column], doubt_of_layers(group, means) * limit)
+    found[:, column] = np.hypot(found[:, column], layer_error(group, means) * limit)
     return found
 
 
-def doubt_of_layers(group: Group, means: Means) -> float:
+def layer_error(group: Group, means: Means) -> float:
     """Return the relative standard error of the limit in eps_t by layers that become thick in it; 0 without any."""
     if "eps_t" not in means.levels:
         return 0.0
     return min(_OF_A_LAYER * means.finest("eps_t") / group.thinnest_layer, _MOST_OF_A_LAYER)
 
 
-def of_thin_layers(group: Group, means: Means) -> list[str]:
+def note_of_thin_layers(group: Group, means: Means) -> list[str]:
     """Return a note if the thinnest layer is lower than the longest waves at the finest eps_t."""
-    share = doubt_of_layers(group, means)
-    if share <= _OF_A_LAYER:
+    error = layer_error(group, means)
+    if error <= _OF_A_LAYER:
         return []
     return [
         f"the thinnest layer is lower than the longest waves at the finest eps_t, but thick in the limit: the error "
-        f"counts {share:.2g} of {group.variable}_tfc for that; take a finer eps_t, or leave eps_t out of the limits "
+        f"counts {error:.2g} of {group.variable}_tfc for that; take a finer eps_t, or leave eps_t out of the limits "
         "if the layer is to stay thin"
     ]
 
 
-def expected_doubts(fitted: xr.Dataset, limit: str, finer: float, dimension: int) -> Reals:
+def expected_extrapolation_errors(fitted: xr.Dataset, limit: str, finer: float, dimension: int) -> Reals:
     """Return the standard errors (group) of a fit by one distance where the finest level is a factor finer."""
     at, value = fitted.sel(limit=limit), in_the_limit(fitted)[0].values
     distance, finest = at["extrapolated"].values, at["finest_eps"].values
@@ -362,7 +373,9 @@ def expected_doubts(fitted: xr.Dataset, limit: str, finer: float, dimension: int
     def at_factor(factor: float) -> Reals:
         scales_limit = (at["law"] == UNSEEN_SLOPE).values & _was_measured(finest / factor, dimension, load)
         bridged = distance * factor ** -at["alpha"].values
-        return np.where(scales_limit, doubt(bridged, value, True), doubt(bridged, value, False))
+        return np.where(
+            scales_limit, extrapolation_error(bridged, value, True), extrapolation_error(bridged, value, False)
+        )
 
     now, then = at_factor(1.0), at_factor(finer)
     less: Reals = np.divide(then, now, where=now > 0, out=np.zeros(len(now)))
@@ -370,30 +383,39 @@ def expected_doubts(fitted: xr.Dataset, limit: str, finer: float, dimension: int
 
 
 def error_budget(
-    index: int, means: Means, choices: Sequence[ChoiceOfLaws], shares: Sequence[Reals], residuals: Reals
+    index: int,
+    means: Means,
+    choices: Sequence[ChoiceOfLaws],
+    weights: Sequence[Reals],
+    beyond_the_fit: tuple[Reals, float],
+    residuals: Reals,
 ) -> Reals:
     """Return what each of `SOURCES` adds to the error of a group's TFC limit (source), nan for limits not varied.
 
-    A limit: its law and the parameters of it, which are not known. The interaction: that what is known before of
-    corrections taken together is not exact. Sampling: the surfaces. In quadrature these make the whole error of the
-    fit. What is added to it, for the distance of extrapolation and for rivals that disagree, is left at 0. The
-    residual: the most that errors of the cases' means `residuals` (case), also by divisions of time, can add up to.
+    All sources but the residual add up in quadrature to the whole error, the formula at the head of `extrapolation.py`:
+
+    - eps_c, eps_f, eps_t: the law of the limit and its parameters are not known;
+    - interaction: the prior of corrections is not exact;
+    - sampling: the scatter of the surfaces;
+    - extrapolation and rivals, both given `beyond_the_fit`: the standard errors of the limits (limit) by the distances
+      that their laws bridge, and the error by fits that disagree;
+    - residual: the most that the errors of the cases' means, `residuals` (case), also by divisions of time, add up to.
     """
-    weight = np.concatenate(shares)
+    all_weights = np.concatenate(weights)
     kappa = [choice.fits[index].coefficients[:, 0] for choice in choices]
-    spread = _variance(weight, np.concatenate(kappa))
+    spread = _variance(all_weights, np.concatenate(kappa))
     sampling = variance = 0.0
     effects = dict.fromkeys(means.levels, 0.0)
-    for choice, share, value in zip(choices, shares, kappa, strict=True):
-        before = known_before(means, choice.laws)  # and as if that were exact, so that known coefficients are 0
-        exact = linear(means, choice.laws, choice.nodes, np.where(np.isfinite(before), 0.0, np.inf))
-        variance += float(share @ choice.fits[index].covariance[:, 0, 0])
-        sampling += float(share @ exact.covariance[:, 0, 0])
+    for choice, weight, value in zip(choices, weights, kappa, strict=True):
+        prior_std = prior_deviations(means, choice.laws)  # as if exact: coefficients with a prior are 0
+        exact = linear(means, choice.laws, choice.nodes, np.where(np.isfinite(prior_std), 0.0, np.inf))
+        variance += float(weight @ choice.fits[index].covariance[:, 0, 0])
+        sampling += float(weight @ exact.covariance[:, 0, 0])
         for limit in effects:
-            effects[limit] += _main_effect(limit, choice, share, value)
+            effects[limit] += _main_effect(limit, choice, weight, value)
     if len(choices) > 1:  # which differ in the law of eps_f
-        each = np.array([share.sum() for share in shares])
-        inside = [share @ value for share, value in zip(shares, kappa, strict=True)]
+        each = np.array([weight.sum() for weight in weights])
+        inside = [weight @ value for weight, value in zip(weights, kappa, strict=True)]
         effects["eps_f"] += _variance(each, np.divide(inside, each, out=np.zeros(len(each)), where=each > 0))
     whole = sum(effects.values())
     scale = spread / whole if whole > 0 else 0.0
@@ -403,9 +425,10 @@ def error_budget(
     sampling = min(sampling, variance)
     budget[SOURCES.index("interaction")] = np.sqrt(variance - sampling)
     budget[SOURCES.index("sampling")] = np.sqrt(sampling)
-    budget[[SOURCES.index("extrapolation"), SOURCES.index("rivals")]] = 0.0
+    extrapolation, budget[SOURCES.index("rivals")] = beyond_the_fit
+    budget[SOURCES.index("extrapolation")] = np.sqrt((extrapolation**2).sum())
     if not np.isnan(residuals).any():
-        budget[SOURCES.index("residual")] = abs(_influence(index, choices, shares)) @ abs(residuals)
+        budget[SOURCES.index("residual")] = abs(_influence(index, choices, weights)) @ abs(residuals)
     return budget
 
 
@@ -413,22 +436,22 @@ def _variance(weight: Reals, value: Reals) -> float:
     return float(weight @ (value - weight @ value) ** 2)
 
 
-def _main_effect(limit: str, choice: ChoiceOfLaws, share: Reals, value: Reals) -> float:
+def _main_effect(limit: str, choice: ChoiceOfLaws, weight: Reals, value: Reals) -> float:
     """Return the variance of the mean of the TFC limit at given parameters of a limit's law."""
     mine = [index for index, parameter in enumerate(choice.parameters) if parameter.limit == limit]
     _, same = np.unique(choice.nodes[:, mine], axis=0, return_inverse=True)
-    weight = np.bincount(same.ravel(), share)
-    mean = np.divide(np.bincount(same.ravel(), share * value), weight, out=np.zeros(len(weight)), where=weight > 0)
-    total = weight.sum()
-    return float(weight @ (mean - (weight @ mean) / total) ** 2) if total > 0 else 0.0
+    each = np.bincount(same.ravel(), weight)
+    mean = np.divide(np.bincount(same.ravel(), weight * value), each, out=np.zeros(len(each)), where=each > 0)
+    total = each.sum()
+    return float(each @ (mean - (each @ mean) / total) ** 2) if total > 0 else 0.0
 
 
-def _influence(index: int, choices: Sequence[ChoiceOfLaws], shares: Sequence[Reals]) -> Reals:
+def _influence(index: int, choices: Sequence[ChoiceOfLaws], weights: Sequence[Reals]) -> Reals:
     """Return the derivative of the TFC limit to each mean (case): of the fits, and of the weights of the nodes."""
-    weight = np.concatenate(shares)
-    value, influence, pull = (
+    weight = np.concatenate(weights)
+    value, influence, misfit_gradient = (
         np.concatenate([getattr(choice.fits[index], name) for choice in choices])
-        for name in ("coefficients", "influence", "pull")
+        for name in ("coefficients", "influence", "misfit_gradient")
     )
     kappa = value[:, 0]
-    return np.asarray(weight @ influence - 0.5 * (weight * (kappa - weight @ kappa)) @ pull)
+    return np.asarray(weight @ influence - 0.5 * (weight * (kappa - weight @ kappa)) @ misfit_gradient)

@@ -15,9 +15,9 @@ from gfmd_numba.campaign.axes import OF_THE_SCENE, Place, present, values_of, va
 from gfmd_numba.campaign.file import Campaign, check_scene
 from gfmd_numba.contact import contact_input
 from gfmd_numba.contact.problem import Effect, Problem, Tractions
+from gfmd_numba.contact.reduced_loads import steps_of
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.rough_surfaces import FacingSurfaces, check_drawn, rough_bodies
-from gfmd_numba.contact.scales import steps_of
 from gfmd_numba.elasticity.scales import scales_of
 from gfmd_numba.roughness.generators import RandomSurface, random_surface
 from gfmd_numba.roughness.measured import MeasuredSurface, MeasuredSurfaces
@@ -286,7 +286,7 @@ def _summed(
     rough = rough_bodies(scene, scales_of(scene), campaign.numerics.slope_order(scene))
     facing = FacingSurfaces(summed, summed.rms_gradient, rough)
     bodies = () if rough is None else rough.bodies
-    known = summed, tuple((body.elastic.base, body.elastic.top.base, facing.order) for body in bodies)
+    known = summed, tuple((body.elastic.base_z, body.elastic.top.base_z, facing.order) for body in bodies)
     if known not in checked:
         check_drawn(scene, facing, 0, document)
         checked.add(known)

@@ -11,7 +11,7 @@ from gfmd_numba.campaign.axes import AXES, Grid, present
 from gfmd_numba.campaign.cases import Case
 from gfmd_numba.contact.contact_dataset import Units, cf_attributes, load_attributes
 from gfmd_numba.contact.observables import PRESCRIBED
-from gfmd_numba.contact.scales import SLIDING, steps_of, times_of
+from gfmd_numba.contact.reduced_loads import SLIDING, steps_of, times_of
 from gfmd_numba.scene import InputError, Scene
 from gfmd_numba.scene.document import nearest, plain_scalar
 from gfmd_numba.scene.loading import Step

@@ -187,9 +187,9 @@ def _affordable(
         choice = [problem, *_smaller(problem)]
         for candidate in choice if known.rows else choice[-1:]:
             row = _features([candidate], kinds)[0]
-            doubt = float(np.sqrt(row @ found.covariance @ row + found.scatter**2)) if known.rows else 0.0
+            deviation = float(np.sqrt(row @ found.covariance @ row + found.scatter**2)) if known.rows else 0.0
             count = known.realisations(candidate)
-            expected = count * float(np.exp(row @ found.coefficients + doubt))
+            expected = count * float(np.exp(row @ found.coefficients + deviation))
             fits = block_bytes(candidate, count) < psutil.virtual_memory().available / 2
             if candidate.identity not in known.tried and expected <= left and fits:
                 return candidate
@@ -255,12 +255,12 @@ def _regression(x: Reals, seconds: Reals) -> _Regression:
     kinds = x.shape[1] - len(_PRIOR)
     expected = np.array([mean for _, mean, _ in _PRIOR] + [0.0] * kinds)
     precision = np.diag([deviation**-2 for _, _, deviation in _PRIOR] + [1.0] * kinds)
-    excess = np.log(seconds) - x @ expected
+    deviation = np.log(seconds) - x @ expected
     scatter = 2.0 * _SCATTER
     for _ in range(3):  # the scatter and what it scatters around, in turn
         covariance = np.linalg.inv(precision + x.T @ x / scatter**2)
-        coefficients = covariance @ (x.T @ excess) / scatter**2
-        left = excess - x @ coefficients
+        coefficients = covariance @ (x.T @ deviation) / scatter**2
+        left = deviation - x @ coefficients
         scatter = float(np.sqrt((4 * (2 * _SCATTER) ** 2 + left @ left) / (4 + len(left))))
     return _Regression(np.asarray(expected + coefficients), np.asarray(covariance, dtype=float), scatter)
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from gfmd_numba.analysis import UnusableDataError
 from gfmd_numba.analysis.allocation import Pilot, Prediction
 from gfmd_numba.analysis.fit_dataset import UNKNOWN, in_the_limit
-from gfmd_numba.analysis.limit_errors import expected_doubts
+from gfmd_numba.analysis.limit_errors import expected_extrapolation_errors
 from gfmd_numba.analysis.selection import FEWEST_STRETCHES, LIMITS, groups
 from gfmd_numba.arrays import Reals
 from gfmd_numba.campaign.cost import price_of_transform
@@ -289,7 +289,7 @@ class _Standing:
     known: Known
     target: float
     found: Judgement
-    doubts: "list[_Doubt]"
+    law_errors: "list[_LawError]"
     error: TargetError
 
 
@@ -297,12 +297,12 @@ def _standing(state: Rounds, known: Known, may_refine: bool) -> _Standing:
     """Return where a variable stands after the last round; raises UnusableDataError for results that do not tell."""
     now, target = state.now, state.goal.targets[known.variable]
     found = judge(known)
-    doubts = _doubts(known, max(1, len(now.levels)), target / found.sure_factor)
-    described = all(doubt.size < inf for doubt in doubts)
+    law_errors = _law_errors(known, max(1, len(now.levels)), target / found.sure_factor)
+    described = all(each.size < inf for each in law_errors)
     expected = _was_to_reach(now, known.variable) or found.predicted <= target or may_refine
     reached = described and found.sure_error <= target and expected
     error = TargetError(error=found.error if found.error < inf else None, factor=found.sure_factor, reached=reached)
-    return _Standing(known, target, found, doubts, error)
+    return _Standing(known, target, found, law_errors, error)
 
 
 def _was_to_reach(now: Round, variable: str) -> bool:
@@ -321,13 +321,13 @@ def _named(state: Rounds, variable: str) -> Rounds:
 def _decided(state: Rounds, furthest: _Standing, price: float, may_refine: bool) -> Rounds:
     """Return the rounds with one more, which brings a target nearer, or `ended`; `price` is that of all so far."""
     known, fitted, target = furthest.known, furthest.known.fitted, furthest.target
-    doubts, is_last = furthest.doubts, _was_to_reach(state.now, known.variable)
+    law_errors, is_last = furthest.law_errors, _was_to_reach(state.now, known.variable)
     large = _SHARE_OF_DOUBTS * target
     contradiction = abs(fitted["contradiction"] / in_the_limit(fitted)[0]).max("group")
     if which := [f"{name}: {known.fixed[name]:g}" for name in LIMITS if contradiction.sel(limit=name) > large]:
         said = f"the levels contradict the fixed {' and '.join(which)}; gfmd allows the range that it lies in"
         return state.ending(f"not {REACHED}: {said}")
-    if may_refine and (why := _indescribable(state.rounds, fitted, doubts)):
+    if may_refine and (why := _indescribable(state.rounds, fitted, law_errors)):
         return state.ending(f"not {REACHED}: {why}")
     finer = _refined(state, furthest, large) if may_refine else None
     earlier = None if len(state.rounds) <= _SOME else state.rounds[-1 - _SOME].errors.get(known.variable)
@@ -335,19 +335,19 @@ def _decided(state: Rounds, furthest: _Standing, price: float, may_refine: bool)
     comes_closer = finer is not None and furthest.found.error <= _CLOSER * before
     if len(state.rounds) > _SOME and UNKNOWN < furthest.found.error < inf and not comes_closer:
         said = f"the limit of {known.variable} is 0 within two standard errors, so that no relative error makes sense"
-        if UNKNOWN < (worst := max(doubts, key=lambda doubt: doubt.size)).size < inf:
+        if UNKNOWN < (worst := max(law_errors, key=lambda each: each.size)).size < inf:
             said = f"the limit of {known.variable} is too far from the finest levels, above all that of {worst.limit}"
         return state.ending(f"not {REACHED}: {said}")
     if finer is not None:
         return finer
-    if not may_refine and (why := _hopeless(fitted, doubts, is_last, target)):
+    if not may_refine and (why := _hopeless(fitted, law_errors, is_last, target)):
         return state.ending(f"not {REACHED}: {why}")
-    of_laws = max(doubt.size for doubt in doubts)
+    of_laws = max(each.size for each in law_errors)
     worth = of_laws if of_laws < inf else large  # surfaces are worth no more than the laws
     aim = sqrt(target**2 - of_laws**2) if of_laws <= large else worth
     another = _with_another(state, furthest, aim, min(of_laws, target))
-    unmet = [doubt if doubt.error > target else replace(doubt, size=0.0) for doubt in doubts]
-    finer = _refined(state, replace(furthest, doubts=unmet), 0.0) if may_refine else None
+    unmet = [each if each.error > target else replace(each, size=0.0) for each in law_errors]
+    finer = _refined(state, replace(furthest, law_errors=unmet), 0.0) if may_refine else None
     return another if finer is None or _is_cheaper(another, finer, price) else finer
 
 
@@ -357,13 +357,13 @@ def _refusal(fitted: xr.Dataset) -> str:
     return "; ".join(str(refused[0]).splitlines()) if len(refused) else ""
 
 
-def _indescribable(rounds: Sequence[Round], fitted: xr.Dataset, doubts: "Sequence[_Doubt]") -> str:
+def _indescribable(rounds: Sequence[Round], fitted: xr.Dataset, law_errors: "Sequence[_LawError]") -> str:
     """Return why even finer levels are not worth their price when no law describes the means; empty if they are."""
     latest = rounds[-1 - _FUTILE :]
     refined = (
         all(one.levels[group] != following.levels[group] for one, following in pairwise(latest))
-        for group, doubt in enumerate(doubts)
-        if doubt.size == inf
+        for group, each in enumerate(law_errors)
+        if each.size == inf
     )
     stretches = fitted["n_stretches"].values
     if len(latest) <= _FUTILE or not any(refined) or ((stretches >= _GROWING) & (stretches < FEWEST_STRETCHES)).any():
@@ -390,7 +390,7 @@ def _is_cheaper(surfaces: Rounds, levels: Rounds, spent: float) -> bool:
 
 
 @dataclass(frozen=True)
-class _Doubt:
+class _LawError:
     """What the laws of one group leave open: the relative error, inf if unknown, and the limit that adds most to it.
 
     `halved` is the error to expect with half the finest eps_f, and `error` the whole relative error of the group.
@@ -402,7 +402,7 @@ class _Doubt:
     error: float
 
 
-def _doubts(known: Known, n_groups: int, most: float) -> list[_Doubt]:
+def _law_errors(known: Known, n_groups: int, most: float) -> list[_LawError]:
     """Return what the laws of each group leave open however many surfaces there are; of a path, at its worst step.
 
     Of means that no law describes it is unknown, unless their distance from the laws and the error, which the fit has
@@ -415,7 +415,8 @@ def _doubts(known: Known, n_groups: int, most: float) -> list[_Doubt]:
     rivals = (fitted["error_budget"].sel(source="rivals") / value).fillna(0.0)
     by_limit = (fitted["extrapolation_error"] / value).fillna(0.0)
     halved = by_limit.copy()
-    halved.loc[{"limit": "eps_f"}] = np.nan_to_num(expected_doubts(fitted, "eps_f", 2.0, dimension) / value.values)
+    finer = expected_extrapolation_errors(fitted, "eps_f", 2.0, dimension)
+    halved.loc[{"limit": "eps_f"}] = np.nan_to_num(finer / value.values)
     for each in (by_limit, halved):
         each.loc[{"limit": "eps_f"}] = np.hypot(each.sel(limit="eps_f"), rivals)
     missed = fitted["rms_residual"] * np.sqrt(fitted["n_cases"]) / value  # at least that of the worst level
@@ -431,19 +432,19 @@ def _doubts(known: Known, n_groups: int, most: float) -> list[_Doubt]:
         elif size[worst] == inf:
             widest = "eps_f"
         of_all = float(whole[group::n_groups].max())
-        found.append(_Doubt(float(size[worst]), widest, float(of_half[worst]), of_all))
+        found.append(_LawError(float(size[worst]), widest, float(of_half[worst]), of_all))
     return found
 
 
-def _hopeless(fitted: xr.Dataset, doubts: Sequence[_Doubt], is_last: bool, target: float) -> str:
+def _hopeless(fitted: xr.Dataset, law_errors: Sequence[_LawError], is_last: bool, target: float) -> str:
     """Return why more surfaces do not reach a target at the present levels; empty if they may."""
     if (refusal := _refusal(fitted)) and (fitted["n_stretches"] < FEWEST_STRETCHES).any():
         return refusal
     if is_last and refusal:
         return f"the fit is refused, {refusal}"
-    if is_last and any(doubt.size == inf for doubt in doubts):
+    if is_last and any(each.size == inf for each in law_errors):
         return "no law of the limits describes the means; gfmd needs finer levels"
-    worst = max((doubt for doubt in doubts if doubt.size < inf), key=lambda doubt: doubt.size, default=None)
+    worst = max((each for each in law_errors if each.size < inf), key=lambda each: each.size, default=None)
     if worst is not None and worst.size >= target:
         return (
             f"the distance from the finest levels to the limit leaves {worst.size:.2%} open, mostly that of "
@@ -461,9 +462,9 @@ def _refined(state: Rounds, of_target: _Standing, most: float) -> Rounds | None:
     results = known.results
     dimension = int(results["dimension"].values[0])
     levels: list[tuple[Level, ...]] = []
-    for of_group, doubt in zip(now.levels, of_target.doubts, strict=True):
-        step = 2.0 if doubt.halved <= most else STEP[dimension]
-        levels.append(tuple(finer_levels(of_group, doubt.limit, step)) if doubt.size > most else of_group)
+    for of_group, each in zip(now.levels, of_target.law_errors, strict=True):
+        step = 2.0 if each.halved <= most else STEP[dimension]
+        levels.append(tuple(finer_levels(of_group, each.limit, step)) if each.size > most else of_group)
     if tuple(levels) == now.levels:
         return None
     held = dict(zip(now.cases, now.realisations, strict=True))
@@ -503,19 +504,20 @@ def _for_the_others(
     state: Rounds, of_target: _Standing, levels: Sequence[tuple[Level, ...]], most: float
 ) -> tuple[dict[tuple[int, Level], int], float]:
     """Return realisations by case for the groups that keep their levels and miss the target, and what these add."""
-    now, fitted, doubts = state.now, of_target.known.fitted, of_target.doubts
+    now, fitted, law_errors = state.now, of_target.known.fitted, of_target.law_errors
     n_groups = len(now.levels)
     others = [
         group
         for group in range(n_groups)
-        if levels[group] == now.levels[group] and doubts[group].size < of_target.target < doubts[group].error < inf
+        if levels[group] == now.levels[group]
+        and law_errors[group].size < of_target.target < law_errors[group].error < inf
     ]
     here = [index for index, (group, _) in enumerate(now.cases) if group in others]
     if not here:
         return {}, 0.0
     theirs = fitted.isel(group=[index for index in range(fitted.sizes["group"]) if index % n_groups in others])
     known = replace(of_target.known, results=of_target.known.results.isel(case=here), fitted=theirs)
-    aim = sqrt(of_target.target**2 - max(doubts[group].size for group in others) ** 2)
+    aim = sqrt(of_target.target**2 - max(law_errors[group].size for group in others) ** 2)
     try:
         spent = known.whole_price(known.held)
         decision = _decision(state, replace(of_target, known=known, found=judge(known)), aim, most + spent)

@@ -11,6 +11,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import xarray as xr
+
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.analysis.selection import steps_of
 from gfmd_numba.campaign import failures, rounds, shards
@@ -152,16 +154,21 @@ def to_do(left: list[Block], directory: Path, choice: Choice) -> list[Block]:
     return [block for block in left if failures.of(directory, block.name) is None][: choice.limit]
 
 
+Fits = Mapping[str, xr.Dataset]  # by variable
 Told = Callable[[Rounds, Plan, int], None]  # of a round that begins, its plan, and how many simulations it has left
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """The outcome of a run: its file, what failed, and the rounds."""
+    """The outcome of a run: its file, what failed, the rounds, and the fit of each target to all of these results.
+
+    There are no fits if the run stopped before the results were fitted.
+    """
 
     results: Path
     failures: Failures
     rounds: Rounds
+    fits: Fits = field(default_factory=dict)
 
     @property
     def reached(self) -> bool:
@@ -220,7 +227,7 @@ def first_decision(
         owned = claimed(run.directory, run.planned.campaign.name, document.text, document.folder)
         with owned, closing(run.states()) as states:
             next(states)
-            state = next(states)
+            state, _ = next(states)
         return state, in_round(run.planned, state.now), run.failed(run.planned)
 
 
@@ -262,12 +269,13 @@ class _Run:
     def all_rounds(self) -> Outcome:
         """Run rounds until they end."""
         states = self.states()
-        state = next(states)
+        latest = next(states)
         try:
             for following in states:
-                state = following
-            return self.collected(state)
+                latest = following
+            return self.collected(*latest)
         except KeyboardInterrupt:
+            state, _ = latest
             now = in_round(self.planned, state.now)
             earlier: dict[Any, int] = {}
             for last in state.rounds[-2:-1]:
@@ -279,24 +287,26 @@ class _Run:
             if min(counts) < 1:  # a new level has no results yet
                 state, partial = state.without_last(), None
             interrupted = state.ending(f"not {REACHED}: the run was interrupted")
-            raise InterruptedRunError(self.collected(interrupted, partial)) from None
+            raise InterruptedRunError(self.collected(interrupted, {}, partial)) from None
 
     def each_round(self) -> Generator[Outcome, None, None]:
         """Run rounds until they end, and yield the outcome of each."""
         with _at_work(self.planned, self.directory), closing(self.states()) as states:
             next(states)
-            for state in states:
+            for state, fits in states:
                 if not state.ended:  # its last round has not run
                     done = state.without_last()
                     state = done.ending(f"not {REACHED}: the run stopped before its next round")
-                yield self.collected(state)
+                yield self.collected(state, fits)
 
-    def states(self) -> Generator[Rounds, None, None]:
+    def states(self) -> Generator[tuple[Rounds, Fits], None, None]:
         """Run round after round. Yield the rounds with each new one before it runs, and all of them at the end.
 
-        Raises InputError for a pilot that does not fit the memory.
+        With them go the fits of the targets to all results so far. Raises InputError for a pilot that does not fit the
+        memory.
         """
         state, choice, workers = _begun(self.planned, self.goal, self.directory), self.choice, self.workers
+        fits: Fits = {}
         with ExitStack() as stack:
             while not state.ended:
                 planned = in_round(self.planned, state.now)
@@ -310,7 +320,7 @@ class _Run:
                     told = f"not {REACHED}: finer levels do not fit the memory ({error})"
                     state = state.without_last().ending(told)
                     break
-                yield state
+                yield state, fits
                 rounds.write(self.directory, state)  # what is decided stands before it is done
                 if todo:
                     workers = stack.enter_context(started(workers, self.directory))
@@ -318,14 +328,15 @@ class _Run:
                     self.told(state, planned, sum(block.size for block in todo))
                 progress = self.watch(len(blocks), len(blocks) - len(todo)) if self.watch else None
                 if finish(planned, todo, self.directory, workers, progress, choice):
-                    state = self._judged(state, planned)
+                    state, fits = self._judged(state, planned)
                 else:
+                    fits = {}
                     state = state.ending(f"not {REACHED}: the run stopped at the first failure")
                 choice = replace(choice, retry_failed=False)  # once is enough
-        yield state
+        yield state, fits
 
-    def _judged(self, state: Rounds, planned: Plan) -> Rounds:
-        """Return the rounds with what the last one has found, and with one more or ended."""
+    def _judged(self, state: Rounds, planned: Plan) -> tuple[Rounds, Fits]:
+        """Return the rounds with what the last one has found, and with one more or ended, and the fits that tell it."""
         if state.seconds_per_price is None:
             state = state.model_copy(update={"seconds_per_price": seconds_per_price(planned, self.directory)})
         results = read_results(collect(planned, self.directory))
@@ -336,18 +347,18 @@ class _Run:
             judged = results if fit.step is None else steps_of(results, variable, fit.step)[0]
             fits.append(Known(judged, fit_tfc(results, **fit.options), variable, fit.options["fixed"]))
         may_refine = planned.campaign.levels != "only" and bool(state.now.levels)
-        return after(state, fits, may_refine)
+        return after(state, fits, may_refine), {known.variable: known.fitted for known in fits}
 
     def failed(self, planned: Plan) -> Failures:
         """Return which blocks of a round have failed."""
         return failures.of_all(self.directory, [block.name for block in planned.blocks_in(self.directory)])
 
-    def collected(self, state: Rounds, planned: Plan | None = None) -> Outcome:
+    def collected(self, state: Rounds, fits: Fits, planned: Plan | None = None) -> Outcome:
         """Collect the results of the last round, or of what a plan has of it."""
         planned = planned or in_round(self.planned, state.now)
         rounds.write(self.directory, state)
         results = collect(planned, self.directory)
-        return Outcome(results, self.failed(planned), state)
+        return Outcome(results, self.failed(planned), state, fits)
 
 
 def _begun(planned: Plan, goal: Goal, directory: Path) -> Rounds:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
@@ -83,7 +83,7 @@ def run(file: Path, output: Path | None, until: dict[str, Any], budget: str | No
         if goal is not None:
             with rounds_shown("--until") as (watched, told):
                 outcome = run_until(file, goal, output, who, watched, choice, told)
-            reached = show_results(outcome.results, outcome.failures) and outcome.reached
+            reached = show_results(outcome.results, outcome.failures, outcome.fits) and outcome.reached
         else:
             with progress_bar() as watch:
                 results, failures = run_campaign(file, output, who, watch, choice)
@@ -117,8 +117,13 @@ def _workers(options: dict[str, Any]) -> Workers:
     return Workers(local, address, insecure, cluster=jobs, queue_told=show_queue)
 
 
-def show_results(results: Path, failures: Failures, *, of_some: bool = False) -> bool:
-    """Print and draw the results of a run, `of_some` cases alone; return False if some are not ok, or undrawn."""
+def show_results(
+    results: Path, failures: Failures, fits: Mapping[str, xr.Dataset] | None = None, *, of_some: bool = False
+) -> bool:
+    """Print and draw the results of a run, `of_some` cases alone; return False if some are not ok, or undrawn.
+
+    They are fitted unless `fits` holds the fit of their variable.
+    """
     import gfmd_numba
 
     say_written("results", results)
@@ -133,8 +138,11 @@ def show_results(results: Path, failures: Failures, *, of_some: bool = False) ->
         of_all = f"{to_do} of the {asked} simulations of the whole campaign"
         say("note", f"{of_all} have not run yet: {rest}")
     elif has_limits(dataset):
-        with waiting("fitting"):
-            fitted = gfmd_numba.fit_tfc(dataset, **fit_options(dataset))
+        options = fit_options(dataset)
+        fitted = (fits or {}).get(options["variable"])
+        if fitted is None:
+            with waiting("fitting"):
+                fitted = gfmd_numba.fit_tfc(dataset, **options)
         tell(of_results(dataset, fitted))
         drawn = _draw(dataset, fitted, results.with_suffix(".png"))
     else:

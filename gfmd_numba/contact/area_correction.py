@@ -47,7 +47,7 @@ _HALF = 0.1900092859259187  # 1/4 - sum_k (Si(k pi) / pi - 1/2)
 
 @dataclass(frozen=True)
 class Edge:
-    """What the grid makes of an edge of contact: nodes counted too many, and the pressures next to it.
+    """Edge of a contact on a grid: how many nodes are counted too many, and the pressures next to the edge.
 
     A touching stretch of N nodes of a profile is shorter than N node spacings, on average over its position by `excess`
     at each of its two ends. A contact on a map is smaller than its counted nodes by a share `of_sides` of a node for
@@ -133,9 +133,9 @@ def contact_length(
 ) -> tuple[Reals, Reals]:
     """Contact length over L_x from the pressures `[realisation, x]` at the edges of its stretches, and its error.
 
-    The error `[realisation]` is one standard deviation, of the edges whose position between two nodes is unknown. Those
-    of nodes that are not `elastic`, by default none, are where the share says by which such nodes are `filled`.
-    Profiles are periodic unless they have `ends`, where a stretch that reaches them has no edge.
+    The error `[realisation]` is one standard deviation, by edges whose position between two nodes is unknown. Nodes
+    that are not `elastic`, by default none, have known edges: each counts by the part by which it is `filled`. Profiles
+    are periodic unless they have `ends`, where a stretch that reaches them has no edge.
     """
     nx = pressure.shape[1]
     elastic = touching if elastic is None else elastic

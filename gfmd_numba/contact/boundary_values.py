@@ -1,6 +1,6 @@
 """A body whose surface has prescribed tractions and displacements, without a punch.
 
-A rough body is the flat one, and what its topography adds.
+The displacement of a rough body is that of the flat one, and a part that its topography adds.
 """
 
 from dataclasses import dataclass, replace
@@ -12,7 +12,7 @@ from gfmd_numba.contact.contact_input import BoundaryInput
 from gfmd_numba.contact.rough_surfaces import RoughBody
 from gfmd_numba.elasticity import topography
 from gfmd_numba.solvers.boundary_value_problem import Deformed, deform
-from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.status import Status, withdrawn
 
 _MOST_ROUNDS = 30
 
@@ -32,8 +32,9 @@ class BoundarySolution:
 def solve_boundary_values(given: BoundaryInput) -> BoundarySolution:
     """Displacements and tractions of the surface of a body to which all is prescribed, in L_x and E*.
 
-    A flat body bears the tractions, displaced by what is prescribed less what its topography adds. Where displacements
-    are prescribed, that repeats until it stands still to the residual of the scene, or the run is not converged.
+    The flat body under the tractions is solved with the prescribed displacements less the displacement that the
+    topography adds. If displacements are prescribed, this is repeated until the added displacement changes by less than
+    the residual of the scene; otherwise the run is `too_steep`.
     """
     body, rough, order = given.scales.bodies[0], given.rough, given.file.slope_order
     traction, asked, options = given.reduced
@@ -52,7 +53,7 @@ def solve_boundary_values(given: BoundaryInput) -> BoundarySolution:
         if is_still or flat.status != Status.ok:
             break
         added = new
-    status = flat.status if is_still or flat.status != Status.ok else Status.too_steep
+    status = Status(int(withdrawn(flat.status, not is_still, Status.too_steep)))
     iterations, transforms, seconds = (sum(of_rounds) for of_rounds in zip(*spent, strict=True))
     deformed = replace(
         flat,

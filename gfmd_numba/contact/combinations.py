@@ -432,7 +432,7 @@ def _solvers() -> Iterator[str]:
         can = [name for name, solver in SOLVERS.items() if ability in solver.can]
         if len(can) < len(SOLVERS):
             yield _item(f"{_capital(_phrase(ability))}: {_named(can)}.")
-    yield _item(f"Option `threads`, on maps: {_named(name for name, each in SOLVERS.items() if each.shares)}.")
+    yield _item(f"Option `threads`, on maps: {_named(name for name, each in SOLVERS.items() if each.shares_threads)}.")
     for option in ("time_step", "damping"):
         yield _item(
             f"Option `{option}`: {_named(name for name, solver in SOLVERS.items() if option in solver.options)}."

@@ -10,7 +10,7 @@ import xarray as xr
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.arrays.threads import team
-from gfmd_numba.contact import jumps, plastic_measures, relative_softening
+from gfmd_numba.contact import jumps, plastic_flow, relative_softening
 from gfmd_numba.contact.boundary_values import solve_boundary_values
 from gfmd_numba.contact.contact_input import BoundaryInput, ContactInput
 from gfmd_numba.contact.evaluation import finite_status, gap, measure
@@ -25,8 +25,8 @@ from gfmd_numba.contact.observables import (
     recorded_along,
 )
 from gfmd_numba.contact.problem import Effect, Problem
+from gfmd_numba.contact.reduced_loads import SLIDING, times_of
 from gfmd_numba.contact.rough_surfaces import BODIES, RoughBody
-from gfmd_numba.contact.scales import SLIDING, times_of
 from gfmd_numba.contact.slopes import tractions_on
 from gfmd_numba.contact.state import Contact, Followed
 from gfmd_numba.contact.two_step import RoughContact
@@ -321,12 +321,12 @@ def _fields_of(given: ContactInput, problem: Problem, contact: Contact) -> Itera
         yield "plastic_depth", "height", flattened, np.asarray(contact.plastic_depth)[0]
     if problem.wear_rate is not None:
         yield "worn_depth", "height", "depth by which the punch has worn", contact.memory["worn"][0]
-    if tangential is not None and contact.sideways is not None:
+    if tangential is not None and contact.tangential_displacement is not None:
         moved, rubs = "tangential displacement of the body", "tangential traction of the punch on the body"
-        yield from _by_axis("tangential_displacement", "height", moved, contact.sideways[0], " ")
+        yield from _by_axis("tangential_displacement", "height", moved, contact.tangential_displacement[0], " ")
         yield from _by_axis("tangential_traction", "pressure", rubs, tangential.traction[0], " ")
         if problem.interface.friction is not None:
-            slid = vector_slip.length(tangential.slip[0]) if contact.slid is None else contact.slid[0]
+            slid = vector_slip.length(tangential.slip[0]) if contact.slip_path is None else contact.slip_path[0]
             yield "slip", "height", "way a touching node has slid in this step, 0 where it sticks", slid
     if problem.tractions is not None:
         prescribed = *problem.tractions.tangential, problem.tractions.normal
@@ -340,16 +340,16 @@ def _fields_of(given: ContactInput, problem: Problem, contact: Contact) -> Itera
 
 def _inside(contact: Contact, unit: Units, dims: tuple[str, ...]) -> dict[str, Any]:
     """Means of the sublayers of a body that may flow, and the depths of their middles."""
-    flow, (von_mises, along) = plastic_measures.flow_of(contact), plastic_measures.stresses(contact)
-    bottoms = np.cumsum(flow.body.waves.thickness)
+    plastic, (von_mises, along) = plastic_flow.plastic_state(contact), plastic_flow.stresses(contact)
+    bottoms = np.cumsum(plastic.body.waves.thickness)
     shape = len(bottoms), *contact.heights.shape[1:]
     own = (
-        ("equivalent_plastic_strain", "gradient", "equivalent plastic strain", flow.equivalent.reshape(shape)),
+        ("equivalent_plastic_strain", "gradient", "equivalent plastic strain", plastic.equivalent.reshape(shape)),
         ("von_mises_stress", "pressure", "von Mises stress", von_mises.reshape(shape)),
         ("stress_x", "pressure", "stress along x, tension above 0", along.reshape(shape)),
     )
     found = unit.variables(("depth", *dims), own)
-    middles = bottoms - 0.5 * flow.body.waves.thickness
+    middles = bottoms - 0.5 * plastic.body.waves.thickness
     return found | {"depth": unit.variable(("depth",), "length", "depth of the middle of a sublayer", middles)}
 
 
@@ -362,7 +362,9 @@ def _add_bodies(
     whole, rms_gradient = units_of(given), given.surfaces.rms_gradient
     for name, body, response in zip(BODIES, bodies, solved.responses, strict=False):
         prefix, whose = ("", "body") if name == "body" else ("counter_body_", "counter body")
-        unit = Units({"height": whole.worth["length"], "pressure": whole.worth["E*"] / body.share}, whole.names)
+        unit = Units(
+            {"height": whole.worth["length"], "pressure": whole.worth["E*"] / body.compliance_fraction}, whole.names
+        )
         outwards = f"topography of the {whose}, peaks outwards"
         found[f"{name}_height"] = unit.variable(dims, "height", outwards, body.heights)
         without = replace(problem, tractions=None)  # prescribed tractions have variables of their own

@@ -1,4 +1,4 @@
-"""What the file of a contact gives: checked records, surfaces made, tractions read. Errors of files end here."""
+"""Input of a contact from its file: checked records, surfaces and tractions. Errors of files end here."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -9,11 +9,11 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.problem import Effect, Problem, Tractions
+from gfmd_numba.contact.reduced_loads import Sliding, reduced_load, steps_of
 from gfmd_numba.contact.reduction import reduce, solver_options
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.relative_softening import check_resolved
 from gfmd_numba.contact.rough_surfaces import FacingSurfaces, RoughBody, check_drawn, facing_surfaces
-from gfmd_numba.contact.scales import Sliding, reduced_load, steps_of
 from gfmd_numba.elasticity.scales import Scales, scales_of
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface, MeasuredSurfaces, Reader, measured_surfaces

@@ -13,7 +13,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.arrays.processes import Communicator, Slab
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import condensed_stiffness
-from gfmd_numba.contact.state import NO_CHANGE, Contact, State
+from gfmd_numba.contact.state import NO_MODIFICATION, Contact, State
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.distributed import SlabTransform
@@ -36,11 +36,14 @@ def solve_in_slabs(problem: Problem, realisation: int, communicator: Communicato
     ny, nx = surface.shape
     if ny < REACH * size:
         raise InputError.of("--mpi", f"{size} processes", f"at most {ny // REACH} for a map of {ny} rows")
-    slab, of_waves = Slab.of(communicator, ny, 2 ** halvings(ny, nx, size)), partial(condensed_stiffness, problem)
+    slab, stiffness_of_waves = (
+        Slab.of(communicator, ny, 2 ** halvings(ny, nx, size)),
+        partial(condensed_stiffness, problem),
+    )
     heights = slab_heights(surface, slab, realisation)
     (highest,) = slab.largest(float(heights.max()))
     started = time.perf_counter()
-    found = press_slab(slab, highest - heights, of_waves, load, problem.numerics)
+    found = press_slab(slab, highest - heights, stiffness_of_waves, load, problem.numerics)
     took = time.perf_counter() - started
     every = [slab.gathered(each) for each in (heights, found.displacement, found.pressure)]
     whole, displacement, pressure = every
@@ -61,8 +64,8 @@ def slab_heights(surface: RandomSurface, slab: Slab, realisation: int) -> Reals:
 
 def _contact(problem: Problem, heights: Reals, found: SlabEquilibrium, took: float) -> Contact:
     """Contact `[realisation, y, x]` of the gathered fields of all processes."""
-    punch, of_waves = heights.max() - heights, partial(condensed_stiffness, problem)
-    response = SpectralResponse.of_normal(of_waves(grid.magnitudes(punch.shape[1:])))
+    punch, stiffness_of_waves = heights.max() - heights, partial(condensed_stiffness, problem)
+    response = SpectralResponse.of_normal(stiffness_of_waves(grid.magnitudes(punch.shape[1:])))
     equilibrium = Equilibrium(
         displacement=found.displacement[np.newaxis],
         pressure=found.pressure[np.newaxis],
@@ -76,4 +79,4 @@ def _contact(problem: Problem, heights: Reals, found: SlabEquilibrium, took: flo
         full_contact_rms_pressure=pressure_scale(punch, response),
     )
     state = State.untouched(heights, ())
-    return Contact(heights, punch, equilibrium, state, problem.step, NO_CHANGE, stiffness=of_waves)
+    return Contact(heights, punch, equilibrium, state, problem.step, NO_MODIFICATION, stiffness=stiffness_of_waves)

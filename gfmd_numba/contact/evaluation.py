@@ -1,4 +1,4 @@
-"""What the observables of the table are, functions of a contact: where it touches, and what follows from that."""
+"""Functions that compute the observables of the table from a contact: where it touches, and what follows from that."""
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, wraps
@@ -17,7 +17,7 @@ from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import statistics
 from gfmd_numba.solvers.certificate import pressure_scale
-from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.status import Status, withdrawn
 
 Found = TypeVar("Found")
 _NEARLY_ALL = 0.9  # of the sides of a smooth contact can be located
@@ -69,8 +69,8 @@ def edge(contact: Contact) -> area_correction.Edge:
 def elastic_nodes(contact: Contact) -> npt.NDArray[np.bool_]:
     """Touching nodes that are neither plastic nor in a fringe, nor have flowed below `[realisation, (y,) x]`.
 
-    Where such nodes are the last, pressure goes to zero as under an elastic body, and counted nodes reach too far.
-    Where the uppermost sublayer has flowed it ends at a finite value, and counted nodes are right in the mean.
+    At an edge with elastic nodes, the pressure goes to zero as under an elastic body, and counted nodes reach too far.
+    If the uppermost sublayer has flowed, the pressure ends at a finite value, and counted nodes are right in the mean.
     """
     now, plastic, flow = touching(contact), contact.equilibrium.plastic, contact.memory.get("flow")
     if flow is not None:
@@ -227,16 +227,16 @@ def mean_of_nodes(field: npt.NDArray[Any]) -> Reals:
 
 
 def kappa_residual_error(contact: Contact) -> Reals:
-    """What the solver's residual may change kappa by: as the pressure may, and nodes left open do `[realisation]`.
+    """Possible change of kappa by the residual of the solver: of the pressure, and of nodes that may change sides.
 
     With eps = residual times peak pressure, open are nodes of a pressure below 10 eps or a gap below 0.02 eps L_x / E*:
-    none that changed sides on the way to 1e-12 had more than 6 and 0.012 (`benchmarks/residual_and_kappa.py`). What a
-    law pulls does not part surfaces: the pressure of the wall alone counts. Under a cohesive law, which pulls by gap
-    and slip together, nodes bear at least what they do above the least of them.
+    none that changed sides on the way to 1e-12 had more than 6 and 0.012 (`benchmarks/residual_and_kappa.py`). The
+    pressure of the wall counts, without the traction of a law. Under a cohesive law, whose traction depends on gap and
+    slip together, it counts from the least one of the touching nodes.
     """
     now, pressure, along = touching(contact), contact.equilibrium.pressure, _nodes(contact)
     violated = np.expand_dims(contact.equilibrium.residual, along) * pressure.max(axis=along, keepdims=True)
-    wall = pressure + contact.pull
+    wall = pressure + contact.law_traction_at_contact
     least = np.where(now, wall, 0.0).min(axis=along, keepdims=True, initial=0.0)
     leaving = (now & (wall - least <= _OPEN_PRESSURE * violated)).sum(axis=along)
     joining = (~now & (gap(contact) <= _OPEN_GAP * violated)).sum(axis=along)
@@ -273,7 +273,7 @@ def rms_gradient_contact(contact: Contact) -> Reals:
 def gap(contact: Contact) -> Reals:
     """Distance between the surfaces in g L_x `[realisation, (y,) x]`; exactly 0 where they touch.
 
-    That of plastic nodes is 0 too: what the displacement penetrates there, the punch has flattened by.
+    The gap of plastic nodes is 0 too: the punch is flattened by the depth of penetration.
     """
     distance = contact.punch - contact.equilibrium.displacement
     return distance if contact.equilibrium.plastic is None else np.maximum(distance, 0.0)
@@ -328,11 +328,11 @@ def slid_over_peaks(contact: Contact, sliding: Sequence[float]) -> Reals:
 
     nan without a period, and where no way is known `[realisation]`.
     """
-    if contact.ends or contact.sideways is None:
+    if contact.ends or contact.tangential_displacement is None:
         return np.full(len(contact.heights), np.nan)
     along = _nodes(contact)
     m0, m2 = _moments(contact)[0], _moments(contact)[1] / len(along)  # along any direction
-    way = np.linalg.norm(np.reshape(sliding, (-1, *(1,) * len(along))) - contact.sideways, axis=1)
+    way = np.linalg.norm(np.reshape(sliding, (-1, *(1,) * len(along))) - contact.tangential_displacement, axis=1)
     touches = closed(gap(contact))
     counts = touches | ~touches.any(axis=along, keepdims=True)
     distance = statistics.distance_of_peaks(m0, m2, nayak(contact))
@@ -342,9 +342,9 @@ def slid_over_peaks(contact: Contact, sliding: Sequence[float]) -> Reals:
 def plastic_work(contact: Contact) -> Reals:
     """Work per nominal area that flattened the punch in this step, in g^2 E* L_x `[realisation]`.
 
-    A node that gives way bears what it bears at the end of the step, all the way.
+    A node that yields bears its pressure at the end of the step over all of its penetration in the step.
     """
-    return mean_of_nodes(contact.equilibrium.pressure * contact.flattened)
+    return mean_of_nodes(contact.equilibrium.pressure * contact.plastic_penetration)
 
 
 def time_error(contact: Contact) -> Reals:
@@ -404,8 +404,9 @@ def nayak(contact: Contact) -> Reals:
 def elastic_energy(contact: Contact) -> Reals:
     """Elastic energy per nominal area of what the punch adds to the deformation, in g^2 E* L_x `[realisation]`.
 
-    That of all waves but the mean, -<p (u - <u>)> / 2 by Clapeyron, and <tau (v - <v>)> / 2 of each tangential one.
-    Without a period it is all the energy, -<p u> / 2. That of a viscoelastic body is what its springs store.
+    With a period it is the energy of all waves but the mean, -<p (u - <u>)> / 2 by Clapeyron, plus <tau (v - <v>)> / 2
+    for each tangential component. Without a period it is the whole energy, -<p u> / 2. A viscoelastic body has the
+    energy of its springs.
     """
     springs = contact.memory.get("springs")
     if springs is not None:
@@ -474,11 +475,11 @@ _function = cache(resolve_name)
 def finite_status(values: Mapping[str, npt.NDArray[Any]]) -> npt.NDArray[np.int8]:
     """Status `[...]` of results by name `[..., node]`, `nonfinite` where one that was ok holds no number.
 
-    Not-a-number is right for a measure that is undefined without contact, an infinite one never is.
+    A measure that is undefined without contact may be not-a-number; an infinite measure is always an error.
     """
     status = np.asarray(values["status"])
     bad = np.zeros(status.shape, dtype=np.bool_)
     for name, value in values.items():
         wrong = np.isinf(value) if name in _UNDEFINED_AT_TIMES else ~np.isfinite(value)
         bad |= wrong.reshape(*status.shape, -1).any(axis=-1)
-    return np.where(bad & (status == Status.ok), np.int8(Status.nonfinite), status)
+    return withdrawn(status, bad, Status.nonfinite)

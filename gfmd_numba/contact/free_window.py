@@ -1,7 +1,7 @@
 """A contact without a period, as the solvers see it: the window of the punch in a padded grid that nothing touches.
 
 The elastic body is free around the window (`elasticity/free_body.py`), where the punch is flat and far away. Most
-solvers see the whole grid, and run as they are. That of maps sees the window alone, of which all results are.
+solvers run on the whole padded grid; `tiles/newton.py` runs on the window alone. All results are those of the window.
 """
 
 from dataclasses import replace
@@ -33,9 +33,9 @@ _APART = 1.0  # of the size of the punch, at which it is where its displacement 
 def around(punch: Reals, load: float | None, laws: Interactions, factor: float = 1.0, farther: float = 1.0) -> Reals:
     """Height `[realisation, (1,) 1]` of a punch around its window, so far away that nothing touches there.
 
-    That is no farther than it has to be: residuals are rounded by the heights of the punch. A punch under a `load`
-    sinks in by less than one that is flat at its own highest point. The body is stiffer by a `factor` than E* says.
-    Slabs that keep their volume may bulge so far that they need a punch that is `farther` by a factor.
+    The height is no larger than needed, as rounding of residuals grows with the heights of the punch. A punch under a
+    `load` sinks in by less than a flat one at its highest point. The body is stiffer than E* by a `factor`. Slabs that
+    keep their volume may bulge so far that they need a punch that is `farther` by a factor.
     """
     along = tuple(range(1, punch.ndim))
     highest = punch.max(axis=along, keepdims=True)
@@ -59,7 +59,7 @@ def reach(law: NormalLaw | XuNeedlemanLaw) -> float:
     return gap
 
 
-def share(ends: tuple[bool, ...]) -> float:
+def area_fraction(ends: tuple[bool, ...]) -> float:
     """Share of the padded grid that the window is: of a mean pressure there."""
     return float(free_body.WIDER ** -sum(ends))
 
@@ -92,7 +92,7 @@ def sunk_in(found: Equilibrium, response: SpectralResponse, ends: tuple[bool, ..
     """How far a load has pushed the body at rest up to the punch `[realisation, (1,) 1]`, whose place is arbitrary."""
     along = tuple(range(1, found.pressure.ndim))
     assert found.mean_displacement is not None  # of a corner it is known
-    compressed = share(ends) * found.pressure.mean(axis=along, keepdims=True) / response.normal.flat[0]
+    compressed = area_fraction(ends) * found.pressure.mean(axis=along, keepdims=True) / response.normal.flat[0]
     return np.asarray(found.mean_displacement.reshape(compressed.shape) + compressed)
 
 

@@ -1,6 +1,22 @@
 """Steps of a load path along a branch of equilibria, divided until each jump between branches is located.
 
-The smallest curvature of the energy says how close an equilibrium is to a fold, where the contact jumps.
+Let a step go from equilibrium 0 to equilibrium 1. With the load L, its conjugate force F, the sliding s, the mean
+tangential traction T and the potential U (`energy_balance.py`), and the plastic work P of the step,
+
+    W_i = F_i (L_1 - L_0) + T_i (s_1 - s_0)      work of the step if the forces of its end i acted throughout,
+    loss = (W_0 + W_1) / 2 - (U_1 - U_0) - P     energy that jumps dissipate in the step.
+
+On one branch with a monotonic force the work lies between W_0 and W_1. So the step holds a jump if
+
+    min(W_0, W_1) - (U_1 - U_0) - P > 2e-3 A,
+
+with the work of adhesion A of the surfaces. A step is halved until it holds no jump and |loss| is negligible, or until
+the place of the jump no longer matters: |W_1 - W_0| / 2 <= 2e-3 |loss|. `follow` records loss + P of all parts.
+
+Only paths under an attraction with truncated_newton are followed (`is_followed`). The loss of a step of any other path
+is `EnergyBalance.dissipated`, or if the body creeps that of dashpots and friction, or under a hardness the plastic work
+(`load_path.PathRecord`). The criterion does not use the smallest curvature of the energy, 0 at a fold: `stability` only
+reports it.
 """
 
 import warnings
@@ -13,21 +29,21 @@ import scipy  # its modules load with their first use
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import free_window, solution
-from gfmd_numba.contact.energy_balance import Balance
+from gfmd_numba.contact.energy_balance import EnergyBalance
 from gfmd_numba.contact.evaluation import gap, plastic_work
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.state import NOTHING_LOST, Contact, Followed, State, with_costs
+from gfmd_numba.contact.state import NO_LOSS, Contact, Followed, State, with_costs
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.interface.normal_law import NormalLaw
 from gfmd_numba.solvers.status import Status
 
 _VECTORS, _ITERATIONS, _TOLERANCE = 3, 60, 1e-5
-_LOST = 2e-3  # energy lost in a step over the work of adhesion on the contact up to which it holds no jump to locate
-_HELD = 1e-2  # of the work of adhesion, which a node that a law of gap and slip holds has gained at least
-_CURVED = 1e-2  # energy that a step seems to lose, as forces between its ends are unknown, over the work of the step
-_BENT = 0.05  # of the difference of what the forces at its two ends would do, which bends of the force in a step hide
-_UNCERTAIN = 2e-3  # part of it that hangs on where in a step the jump was, up to which that is known well enough
+_NEGLIGIBLE = 2e-3  # loss over the work of adhesion A
+_HELD = 1e-2  # of the work of adhesion: a node with at least this gain is held by a law of gap and slip
+_CURVED = 1e-2  # apparent loss over the work of the step, as the trapezium of the forces misses their curvature
+_BENT = 0.05  # loss over |W_1 - W_0| that a bend of the force within the step may hide
+_UNCERTAIN = 2e-3  # |W_1 - W_0| / 2 over the loss up to which the place of a jump is known well enough
 _DIVISIONS = 12  # halvings of a step at most
 _MOST_SOLUTIONS = 64  # in one step, which may hold a jump of each asperity
 
@@ -78,9 +94,9 @@ class _Point:
     after: State
 
     @cached_property
-    def balance(self) -> Balance:
+    def balance(self) -> EnergyBalance:
         """Energy and forces."""
-        return Balance.of(self.problem, self.contact)
+        return EnergyBalance.of(self.problem, self.contact)
 
     @property
     def pressure(self) -> float:
@@ -89,7 +105,7 @@ class _Point:
 
     @property
     def adhesion(self) -> float:
-        """Work of adhesion that the surfaces have gained: where they touch, or if they touch nowhere across the gap."""
+        """Work of adhesion that the surfaces have gained: where they touch, or across the gap if they touch nowhere."""
         laws, found = self.problem.interface, self.contact.equilibrium
         if laws.normal_law is not None:
             touching = float(laws.normal_law.energy(np.zeros(1))[0])
@@ -104,7 +120,7 @@ class _Point:
         return float(np.where(gained > _HELD * laws.cohesive.work, gained, 0.0).mean())
 
     def work(self, other: "_Point") -> tuple[float, float]:
-        """Work on the way to another point if all of it were done by the forces here, and by those there."""
+        """Return W_0 and W_1 of the step to another point."""
         way, drag = other.balance.load - self.balance.load, other.balance.sliding - self.balance.sliding
         here, there = (each.force * way + float(each.traction @ drag) for each in (self.balance, other.balance))
         return here, there
@@ -142,43 +158,45 @@ def follow(problem: Problem, state: State) -> Contact:
     """Equilibrium of a problem, reached from a state, with what happened on the way."""
     if state.last is None or state.last.step is None:
         first = solution.solve(problem, state)
-        yielded, pressure = float(plastic_work(first)[0]), float(first.equilibrium.pressure[0].mean())
-        return replace(first, followed=replace(NOTHING_LOST, lost=yielded, yielded=yielded, least_pressure=pressure))
+        plastic, pressure = float(plastic_work(first)[0]), float(first.equilibrium.pressure[0].mean())
+        return replace(
+            first, followed=replace(NO_LOSS, dissipated=plastic, plastic_work=plastic, least_pressure=pressure)
+        )
     spent: list[_Point] = []
     start = _Point(problem.under(state.last.step), state.last, state)
     point, steps = _advance(start, problem, _DIVISIONS, 0.0, spent)
     jumps = [step for step in steps if not np.isnan(step.jump_at)]
-    largest = max(jumps, key=lambda step: step.lost, default=NOTHING_LOST)
+    largest = max(jumps, key=lambda step: step.dissipated, default=NO_LOSS)
     equilibrium = with_costs(point.contact.equilibrium, (each.contact.equilibrium for each in spent))
     least = min(each.pressure for each in spent)
-    lost, yielded = (sum(getattr(step, name) for step in steps) for name in ("lost", "yielded"))
-    followed = Followed(lost, largest.jump_at, least, largest.jump_sliding, yielded)
+    dissipated, plastic = (sum(getattr(step, name) for step in steps) for name in ("dissipated", "plastic_work"))
+    followed = Followed(dissipated, largest.jump_at, least, largest.jump_sliding, plastic)
     return replace(point.contact, equilibrium=equilibrium, followed=followed)
 
 
 def _advance(
     start: _Point, problem: Problem, divisions: int, curved: float, spent: list[_Point]
 ) -> tuple[_Point, list[Followed]]:
-    """Go from a point to a problem in one step, or in two if it loses energy; `curved` may seem to be lost."""
+    """Go from a point to a problem in one step, or in two if it loses energy; up to `curved` the loss is apparent."""
     contact = solution.solve(problem, start.after)
     end = _Point(problem, contact, contact.after)
     spent.append(end)
-    yielded = float(plastic_work(contact)[0])  # is lost for good, jump or not
-    gained = end.balance.potential - start.balance.potential + yielded
+    plastic = float(plastic_work(contact)[0])  # dissipated, jump or not
+    gained = end.balance.potential - start.balance.potential + plastic
     least, most = sorted(start.work(end))  # of a branch of monotonic force: the work between them
-    lost = 0.5 * (least + most) - gained
+    loss = 0.5 * (least + most) - gained
     if divisions == _DIVISIONS:
         curved = _CURVED * 0.5 * max(abs(least + most), most - least)
-    negligible = _LOST * max(start.adhesion, end.adhesion)
+    negligible = _NEGLIGIBLE * max(start.adhesion, end.adhesion)
     jumps = least - gained > (negligible or np.inf)
     hidden = _BENT * (most - least) * 0.5 ** (_DIVISIONS - divisions)  # which has the same limit at every level
-    is_known = max(abs(lost), hidden) <= max(negligible, curved)
+    is_known = max(abs(loss), hidden) <= max(negligible, curved)
     if contact.equilibrium.status[0] != Status.ok or (is_known and not jumps):
-        return end, [Followed(lost + yielded, np.nan, yielded=yielded)]
+        return end, [Followed(loss + plastic, np.nan, plastic_work=plastic)]
     halfway = start.problem.step.towards(problem.step, 0.5)
-    is_located = 0.5 * (most - least) <= _UNCERTAIN * abs(lost)
+    is_located = 0.5 * (most - least) <= _UNCERTAIN * abs(loss)
     if is_located or divisions == 0 or len(spent) >= _MOST_SOLUTIONS:
-        found = Followed(lost + yielded, np.nan, yielded=yielded)
+        found = Followed(loss + plastic, np.nan, plastic_work=plastic)
         return end, [replace(found, jump_at=halfway.load, jump_sliding=halfway.sliding[0]) if jumps else found]
     middle, first = _advance(start, problem.under(halfway), divisions - 1, 0.5 * curved, spent)
     rest = replace(problem, duration=problem.duration - halfway.duration)

@@ -1,4 +1,4 @@
-"""The solution of a problem along its loading path, and what is recorded of it.
+"""The solution of a problem along its loading path, and the record of its measures.
 
 The solution is a fold over the steps of the path. The contact is recorded at every step, and the path as a whole.
 """
@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from gfmd_numba.arrays.threads import shared_by
 from gfmd_numba.contact import jumps, plastic_flow, solution, time_steps, two_step
-from gfmd_numba.contact.energy_balance import Balance, components, held_by_friction, wall_pressure
+from gfmd_numba.contact.energy_balance import EnergyBalance, components, friction_limit_of, wall_pressure
 from gfmd_numba.contact.evaluation import mean_pressure, measure, plastic_work, slid_over_peaks
 from gfmd_numba.contact.observables import (
     OF_PUNCH,
@@ -107,7 +107,7 @@ def _follower(problem: Problem, tell: Tell) -> Callable[[Problem, State], Contac
     """What makes a step of the path of a problem: in one piece, or divided at jumps or in time."""
     if problem.plasticity is not None:
         largest = max(step.load for step in (problem.step, *problem.path))
-        return partial(plastic_flow.follow, largest=largest, tell=tell)
+        return partial(plastic_flow.follow, solve=solution.solve, largest=largest, tell=tell)
     steps = problem.step, *problem.path
     divided = sum(map(time_steps.is_divided, repeat(problem), (None, *steps), steps))
     if divided and problem.time_tolerance is not None:
@@ -136,11 +136,11 @@ class PathRecord:
     steps: dict[str, list[float]] = field(
         default_factory=lambda: {name: [] for name, row in PATH_OBSERVABLES.items() if row.of == "contact"}
     )
-    _certain: list[float] = field(default_factory=list)  # energy lost in jumps and by yielding
+    _certain: list[float] = field(default_factory=list)  # energy dissipated in jumps and by plastic work
     _loads: list[float] = field(default_factory=list)
     _least: list[float] = field(default_factory=list)  # mean pressure on the way to a step
     _pressures: list[float] = field(default_factory=list)  # mean pressure at its end
-    _balance: Balance | None = None
+    _balance: EnergyBalance | None = None
     _dissipated: float = 0.0  # by the dashpots of a viscoelastic body
 
     def add(self, problem: Problem, solved: Contact, is_ok: bool) -> None:
@@ -155,27 +155,29 @@ class PathRecord:
             for values in (*self.steps.values(), self._certain):
                 values.append(nan)
             return
-        followed, before, self._balance = contact.followed, self._balance, Balance.of(problem, contact)
-        lost, yielded = 0.0 if before is None else self._balance.lost(before), float(plastic_work(contact)[0])
+        followed, before, self._balance = contact.followed, self._balance, EnergyBalance.of(problem, contact)
+        loss = 0.0 if before is None else self._balance.dissipated(before)
+        plastic = float(plastic_work(contact)[0])
         if followed is not None:
-            lost, yielded = followed.lost, followed.yielded
+            loss, plastic = followed.dissipated, followed.plastic_work
         elif (springs := contact.memory.get("springs")) is not None:
-            lost, self._dissipated = float(springs.dissipated[0]) - self._dissipated, float(springs.dissipated[0])
+            loss, self._dissipated = float(springs.dissipated[0]) - self._dissipated, float(springs.dissipated[0])
         elif problem.interface.hardness is not None:
-            lost = yielded  # also of the first step, which finds the punch as it was made
+            loss = plastic  # also of the first step, which finds the punch as it was made
         jumps = followed is not None and not isnan(followed.jump_at)
-        self._certain.append(max(lost, 0.0) if jumps or problem.relaxation is not None else yielded)
+        self._certain.append(max(loss, 0.0) if jumps or problem.relaxation is not None else plastic)
         self.steps["mean_tangential_traction"].append(float(self._balance.traction[0]))
         self.steps["mean_tangential_traction_y"].append(float(self._balance.traction[-1]))
         self.steps["stick_fraction"].append(stick_fraction(problem, solved))
         self.steps["slid_over_peaks"].append(float(slid_over_peaks(contact, problem.step.sliding)[0]))
-        self.steps["energy_lost"].append(lost)
+        self.steps["energy_lost"].append(loss)
 
     def of_steps(self) -> dict[str, npt.NDArray[Any]]:
         """Rows of the contact at every step.
 
-        What jumps and yields is lost for good. Of the rest nothing gives lost energy back: what a step seems to lose
-        and a later one to gain was no loss, as forces between the ends of steps are not known.
+        The losses of jumps and plastic work are certain. The other losses are trapezia, which may be wrong, as forces
+        between the ends of steps are not known. Nothing gives dissipated energy back. So a loss that a later step
+        seems to gain back is none.
         """
         rows = {name: np.array(values) for name, values in self.steps.items()}
         certain = np.array(self._certain)
@@ -216,16 +218,16 @@ def stick_fraction(problem: Problem, contact: Contact) -> float:
     wall = wall_pressure(problem, contact)
     slack = float(found.residual[0]) * float(wall.max())
     rubbing = np.linalg.norm(components(found.tangential.traction, wall), axis=0).reshape(wall.shape)
-    sticks = rubbing < held_by_friction(problem, contact, wall) - slack
+    sticks = rubbing < friction_limit_of(problem, contact, wall) - slack
     return float((sticks & touching).sum() / touching.sum())
 
 
 @shared_by(1)
 def measured(problem: Problem, realisations: range) -> Measures:
-    """All that is recorded of realisations of a problem: `[realisation]`, but along a path the contact's have steps.
+    """All measures of realisations of a problem `[realisation]`, along a path of contacts `[realisation, step]`.
 
-    Those are `[realisation, step]`. A run along a path has the first status that is not ok, with which it ends, the
-    largest residual, and the sums of what it took; the contact's measures are not-a-number from that step on.
+    A run along a path ends at the first step whose status is not ok, and has this status, the largest residual, and the
+    sums of iterations, transforms and time. Measures of the contact are not-a-number from that step on.
     """
     if problem.path:
         rows = [_along(problem, realisation) for realisation in realisations]

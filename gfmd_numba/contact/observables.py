@@ -1,6 +1,6 @@
-"""The tables of observables: what is recorded of contacts, of rough bodies and along paths, with units and meaning.
+"""The tables of observables of contacts, of rough bodies and of paths, with units and meaning.
 
-Pure data, and what it says of a scene.
+Pure data, and functions that select the rows of a scene.
 """
 
 from collections.abc import Collection
@@ -27,7 +27,7 @@ Unit = Literal["1", "gradient", "length", "height", "pressure", "energy", "s"]
 
 @dataclass(frozen=True)
 class Observable:
-    """A recorded quantity: what it tells of, its unit and its meaning.
+    """A recorded quantity: its unit and meaning, and whether it is of the contact, the surface, the run or the path.
 
     Units are 1, g, L_x, g L_x, g E*, g^2 E* L_x and seconds. `function` is "module:function" of a contact, by default
     that of its name in `evaluation`, or in the module of what it `needs`; of a run the equilibrium has the number. One

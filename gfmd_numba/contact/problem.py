@@ -1,7 +1,7 @@
 """The dimensionless problem of one contact, its surface and its identity: equal problems are solved once.
 
-The version of their results says what is stored of them and which code made it, so that nobody has to remember it.
-Lengths are in L_x, heights in g L_x and stresses in g E*, g the rms gradient.
+The version of results is a hash of the observables that are stored and of the code that made them. Lengths are in L_x,
+heights in g L_x and stresses in g E*, g the rms gradient.
 """
 
 import hashlib
@@ -16,7 +16,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, ROUGH_BODY_OBSERVABLES
 from gfmd_numba.contact.state import LoadStep, Process
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.plasticity import PlasticSublayers
+from gfmd_numba.elasticity.plastic_sublayers import PlasticSublayers
 from gfmd_numba.elasticity.prony import PronySeries
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness.surfaces import SmoothSurface, SummedSurface, Surface
@@ -36,12 +36,13 @@ _PROSE = re.compile(  # lines of comments and docstrings, and empty ones; a text
 class DeformableBody:
     """One of the bodies of a contact, in its own E*: a counter body, or one whose topography is followed.
 
-    `share` is its part E*/E_i* of the compliance 1/E*, `part` counts the summed surface that is its own, None: flat.
-    `side` is -1 for the upper one of two, on which the lower one pulls the opposite way.
+    `compliance_fraction` is its part E*/E_i* of the compliance 1/E*. `part` is the number of the summed surface that is
+    its own, None if it is flat. `side` is -1 for the upper body of two, whose tangential tractions are the opposite
+    ones.
     """
 
     elastic: ElasticBody
-    share: float
+    compliance_fraction: float
     part: int | None = None
     side: int = 1
 
@@ -70,7 +71,7 @@ class Tractions:
 
 @dataclass(frozen=True)
 class Effect:
-    """What became of one effect of the scene (on, off, condensed or dropped) and why."""
+    """One effect of the scene, its `state` (on, off, condensed or dropped), and the reason."""
 
     name: str
     state: str
@@ -81,13 +82,13 @@ class Effect:
 class Problem:
     """Heights in g L_x, stresses in g E*; one of the two loads is None.
 
-    `path` is what follows that load, each step begun where the last one ended. Where topographies are followed, `rough`
-    has the bodies, and the surface is the sum of theirs. A viscoelastic body has a `relaxation`, the modulus of the
-    relaxed body being that of E*, and a punch wears by `wear_rate` (in 1 / g E*) times pressure and way, both with an
-    error of `time_tolerance` along the path. `processes` happen in addition. `sliding` of the punch (none: 0),
-    `duration` and `speed` are those of the load, as in a `LoadStep`. A punch that slides over a body that creeps is
-    moved along it by `passing` (g) times the sliding, in L_x; None: each node keeps facing the same one. A surface that
-    is not `periodic` is a window, around which the body is free; "x", "y": on both sides along the other axis alone.
+    `path` are the steps after this load; each begins where the last one ended. If topographies are followed, `rough`
+    has the bodies, and the surface is the sum of their surfaces. A viscoelastic body has a `relaxation`, whose relaxed
+    modulus is E*. A punch wears by `wear_rate` (in 1 / g E*) times pressure and way. Relaxation and wear have an error
+    of `time_tolerance` along the path. `processes` happen in addition. `sliding` of the punch (none: 0), `duration` and
+    `speed` are those of the load, as in a `LoadStep`. A punch that slides over a body that creeps is moved along it by
+    `passing` (g) times the sliding, in L_x; None: each node keeps facing the same one. A surface that is not `periodic`
+    is a window, around which the body is free; "x", "y": on both sides along the other axis alone.
     """
 
     surface: Surface

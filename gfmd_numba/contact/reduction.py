@@ -13,8 +13,8 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.problem import DeformableBody, Effect, Problem, Tractions
+from gfmd_numba.contact.reduced_loads import plasticity, reduced_step, steps_of
 from gfmd_numba.contact.rough_surfaces import FacingSurfaces
-from gfmd_numba.contact.scales import plasticity, reduced_step, steps_of
 from gfmd_numba.elasticity import free_body, moduli
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.scales import scales_of
@@ -48,7 +48,7 @@ def reduce(
     rms_gradient, rough, scales = surfaces.rms_gradient, surfaces.rough, scales_of(scene)
     first, *steps = (reduced_step(*step, scales, rms_gradient) for step in steps_of(scene, path))
     displacement, pressure = (None, first.load) if scene.loading.displacement is None else (first.load, None)
-    facing = None if scene.counter_body is None else DeformableBody(scales.bodies[1], scales.shares[1])
+    facing = None if scene.counter_body is None else DeformableBody(scales.bodies[1], scales.compliance_fractions[1])
     may_slip = surfaces.order > 0 or any(scene.ends)  # as inclined surfaces do, and punches that drag a free body
     length, stress = rms_gradient * scales.length, rms_gradient * scales.modulus
     acting = in_reduced_units(scene.interface, length, stress, scales.time)
@@ -100,7 +100,7 @@ def _counter_body(
         return None, ()
     body, effects = _body(facing.elastic, interface, mean_matters, False, tolerance)
     dropped = (effect for effect in effects if effect.state == "dropped")
-    return DeformableBody(body, facing.share), tuple(
+    return DeformableBody(body, facing.compliance_fraction), tuple(
         replace(effect, name=f"{effect.name}, of the counter_body") for effect in dropped
     )
 
@@ -190,7 +190,7 @@ def _why_nothing_slips(body: ElasticBody, counter: DeformableBody | None) -> str
         return ""
     if counter is None:
         return "an incompressible half-space has no tangential displacement under normal load" if body.nu == 0.5 else ""
-    if abs(moduli.dundurs_beta(body.nu, counter.elastic.nu, counter.share)) > _NO_MISMATCH:
+    if abs(moduli.dundurs_beta(body.nu, counter.elastic.nu, counter.compliance_fraction)) > _NO_MISMATCH:
         return ""
     return "two half-spaces whose Dundurs' beta is 0 give way alike along the surface under normal load"
 

@@ -165,7 +165,7 @@ def _of_laws(scene: Scene, grid: Grid) -> Asked:
 
 
 def _of_time(scene: Scene, path: Sequence[Step]) -> Asked:
-    """What takes time, or depends on how far the punch has slid."""
+    """Features that take time, or depend on how far the punch has slid."""
     loads: list[tuple[Location, Controls]] = [(("scene", "loading"), scene.loading)]
     for place, load in (*loads, *((("path", i), step) for i, step in enumerate(path))):
         yield "at once", place, load.duration is None
@@ -323,8 +323,8 @@ def _solver_refusals(found: Features, numerics: Numerics) -> Iterator[tuple[Loca
         named = ", ".join(f"'{other}'" for other in others)
         allowed = f"{named} or 'auto'{ABILITIES[lacks[0]]}"
         yield ("numerics", "solver"), Refusal(lacks[0], solver, allowed, "solver")
-    if numerics.threads > 1 and not SOLVERS[solver].shares:
-        sharing = ", ".join(name for name, each in SOLVERS.items() if each.shares)
+    if numerics.threads > 1 and not SOLVERS[solver].shares_threads:
+        sharing = ", ".join(name for name, each in SOLVERS.items() if each.shares_threads)
         allowed = f"1 with solver {solver}, which works alone; more with {sharing}"
         yield ("numerics", "threads"), Refusal(solver, "threads", allowed, "without effect")
     for option in ("time_step", "damping"):

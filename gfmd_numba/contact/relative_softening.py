@@ -105,7 +105,9 @@ def _on(problem: Problem, nodes: int) -> tuple[float, float]:
         return gap, 0.0
     compliances, counter = _slip_compliances(problem.body, shortest), problem.counter
     if counter is not None:
-        compliances = (1.0 - counter.share) * compliances + counter.share * _slip_compliances(counter.elastic, shortest)
+        compliances = (
+            1.0 - counter.compliance_fraction
+        ) * compliances + counter.compliance_fraction * _slip_compliances(counter.elastic, shortest)
     ways = len(problem.surface.shape)  # of a map a wave may also slip across its own direction, where bodies are softer
     return gap, laws.slip_softening * float(compliances[:ways].max())
 

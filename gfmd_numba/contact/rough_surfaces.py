@@ -1,4 +1,4 @@
-"""The rough surfaces of a scene as heights, and what they are when pressed together."""
+"""The rough surfaces of a scene as heights, and their sum when pressed together."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -35,7 +35,7 @@ class RoughBody(DeformableBody):
 
 @dataclass(frozen=True)
 class FacingSurfaces:
-    """What is pressed together, in units of its rms gradient g.
+    """The sum of the surfaces that are pressed together, in units of its rms gradient g.
 
     `rough` are the elastic bodies that rough surfaces belong to.
     """
@@ -69,11 +69,11 @@ def rough_bodies(scene: Scene, scales: Scales, order: int) -> RoughBodies | None
     bodies = tuple(
         DeformableBody(
             body,
-            share,
+            fraction,
             places.index((name, "roughness")) if (name, "roughness") in places else None,
             1 if name == "body" else -1,
         )
-        for name, body, share in zip(BODIES, scales.bodies, scales.shares, strict=False)
+        for name, body, fraction in zip(BODIES, scales.bodies, scales.compliance_fractions, strict=False)
     )
     return RoughBodies(bodies, order)
 
@@ -128,10 +128,10 @@ def allowed_topography(heights: Reals, body: ElasticBody, order: int) -> str:
     lowest, highest = float(heights.min()), float(heights.max())
     if body.aspect_ratio is not None and max(-lowest, highest) >= body.aspect_ratio:
         return f"one within the height of the body, {body.aspect_ratio:g} L_x, of its mean plane"
-    if order > 0 and body.stack is not None and -lowest >= -body.top.base:
+    if order > 0 and body.stack is not None and -lowest >= -body.top.base_z:
         return (
-            f"valleys above the lower side of the topmost layer, {body.top.base:g} L_x, or a numerics.topography_order "
-            "of 0, as interfaces are flat at higher orders"
+            f"valleys above the lower side of the topmost layer, {body.top.base_z:g} L_x, or a "
+            "numerics.topography_order of 0, as interfaces are flat at higher orders"
         )
     return ""
 

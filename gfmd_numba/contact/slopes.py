@@ -1,11 +1,11 @@
-"""What the slopes of rough bodies add to the contact of flat ones, once the last round has told their tractions.
+"""Corrections of first order in the slope to the contact of flat bodies, from the tractions of the last round.
 
-The pressure acts along the normal of the touching surface, so that it pulls each node along the plane by the pressure
-times the slope of what it touches. Friction acts along the surface, and so out of the plane by its slope. A node that
-has moved along the plane meets another place of it. All are of first order in the slope, and known once the last round
-has told how the surfaces have moved. What a node of `body` meets is a rigid punch, or the deformed surface of the
-counter body; tractions belong to the nodes of `body`, and the counter body bears them at the places that they meet.
-Lengths in L_x, stresses in E*.
+The pressure acts along the normal of the touching surface, so that a node bears a traction along the plane: the
+pressure times the slope of the surface it touches. Friction acts along the surface, and so has a part out of the plane,
+friction times slope. A node that has moved along the plane meets another place of the facing surface. All three are of
+first order in the slope, and follow from the displacements of the last round. The facing surface is a rigid punch, or
+the deformed surface of the counter body. Tractions belong to the nodes of `body`, and the counter body bears them at
+the places that these nodes meet. Lengths in L_x, stresses in E*.
 """
 
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.evaluation import gap
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_surfaces import RoughBody
-from gfmd_numba.contact.state import Change, Contact, LoadStep, State
+from gfmd_numba.contact.state import Contact, LoadStep, State, StepModification
 from gfmd_numba.elasticity import topography
 from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.fourier import grid
@@ -33,8 +33,8 @@ _RESOLVED = 3 / 8  # wave index over nodes, up to which splines between the node
 class Moved:
     """Displacement of a surface, along the plane `[component, (y,) x]` and out of the body `[(y,) x]`.
 
-    `level_along` and `level` are the same without all that slopes add: those of the flat body under the tractions on
-    the nodes of `body`.
+    `level_along` and `level` are the same without slopes: displacements of the flat body under the tractions on the
+    nodes of `body`.
     """
 
     along: Reals
@@ -121,7 +121,7 @@ def pair(
     below = _seen_in_space(_gradient(bodies[0].heights + own.out), own.along)
     above = -_seen_in_space(_gradient(heights + other.out), other.along)
     above = np.stack([places.values(each) for each in above])
-    slope = bodies[1].share * below + bodies[0].share * above
+    slope = bodies[1].compliance_fraction * below + bodies[0].compliance_fraction * above
     return Pairing(own.along - met - slid, slope, raised, shifted)
 
 
@@ -156,10 +156,10 @@ Responses = tuple[Response, ...]
 class SlopeCorrection:
     """What slopes add to the contact of flat bodies (g L_x, g E*).
 
-    They bring the surfaces closer by `raised` `[(y,) x]`, and carry the nodes along what they meet by `shifted`
-    `[component, (y,) x]`, which is 0 where nothing rubs; slip counts from where they had carried them by `since`.
-    Tangential tractions bear `lifted` of the mean pressure. `pairing` tells where inclined surfaces touch at orders
-    above 0; None between level ones.
+    Slopes bring the surfaces closer by `raised` `[(y,) x]`, and shift the nodes along the facing surface by `shifted`
+    `[component, (y,) x]`, 0 without tangential interaction. Slip counts from an earlier shift, `since`. Tangential
+    tractions carry `lifted` of the mean pressure. `pairing` has the places where inclined surfaces touch at orders
+    above 0; None for level surfaces.
     """
 
     raised: Reals
@@ -215,11 +215,11 @@ class Slopes:
         """What slopes add before there is a contact."""
         return self.untouched
 
-    def change(self, state: State, step: LoadStep) -> Change:
+    def change(self, state: State, step: LoadStep) -> StepModification:
         """Surfaces are closer, nodes are carried along, and tangential tractions bear a part of the load."""
         found: SlopeCorrection = state.memory[self.name]
         carried = (found.shifted - found.since)[np.newaxis] if self.rub else None
-        return Change(wall=-found.raised[np.newaxis], anchor_shift=carried, lifted=found.lifted)
+        return StepModification(wall=-found.raised[np.newaxis], anchor_shift=carried, lifted=found.lifted)
 
     def advance(self, state: State, solved: Contact, step: LoadStep) -> SlopeCorrection:
         """What the first round of the next step takes for granted: what the last round has, if it matters."""
@@ -245,7 +245,7 @@ class Slopes:
         raised, shifted = np.zeros(shape), np.zeros((len(shape), *shape))
         if tractions is not None and self.order > 0:
             t, p = tractions.tangential, -tractions.normal
-            parts = [self.gradient * each.share if each.side > 0 else 0.0 for each in self.bodies]
+            parts = [self.gradient * each.compliance_fraction if each.side > 0 else 0.0 for each in self.bodies]
             responses = self._respond([(part * t, part * p) for part in parts], self.order)
             raised = self._raised(responses)
             shifted = self._shifted(responses) if self.rub else shifted
@@ -342,7 +342,7 @@ class Slopes:
         along = np.divide(along, size, out=np.zeros_like(size), where=size > 0.0)
         beyond = np.where(slipped, np.sqrt((1.0 + steepness) / (1.0 + along)) - 1.0, 0.0)
         more = np.stack((*(self.gradient * traction * beyond), np.zeros(size.shape)))
-        moved = (body.elastic.response(size.shape).apply(body.share * more) for body in self.bodies)
+        moved = (body.elastic.response(size.shape).apply(body.compliance_fraction * more) for body in self.bodies)
         return float(sum(float(abs(each).max()) for each in moved))
 
 
@@ -370,4 +370,4 @@ def tractions_on(
     if problem.tractions is not None and body.side > 0:
         pressure = pressure - gradient * problem.tractions.normal
         along = gradient * problem.tractions.tangential + (0.0 if along is None else along)
-    return None if along is None else body.share * along, body.share * pressure
+    return None if along is None else body.compliance_fraction * along, body.compliance_fraction * pressure

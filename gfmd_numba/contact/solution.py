@@ -2,7 +2,7 @@
 
 A step prescribes the mean pressure, or the displacement of the punch beyond first touch. Under a pressure the mean
 displacement of a periodic body is arbitrary, K(0) = 0: the solver finds the level of the wall from the gap, which is 0
-on average over the nodes in contact. In a window that level has a meaning, the approach.
+on average over the nodes in contact. In a window the level of the wall has a meaning, the approach.
 """
 
 from collections.abc import Callable
@@ -22,7 +22,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.roughness.surfaces import GivenSurface, SummedSurface
 from gfmd_numba.solvers.equilibrium import Equilibrium, equilibrate, following
 from gfmd_numba.solvers.iteration import Start
-from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.status import Status, withdrawn
 
 _ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
 
@@ -82,13 +82,14 @@ def solve(problem: Problem, state: State | range) -> Contact:
         equilibrium = replace(equilibrium, tangential=replace(equilibrium.tangential, sliding=drag))
     if equilibrium.plastic is not None:
         equilibrium.plastic[:] |= bear_again(problem, state, equilibrium.touching, equilibrium.pressure)
-    of_waves = partial(condensed_stiffness, problem)
+    stiffness_of_waves = partial(condensed_stiffness, problem)
     if change.wear_compliance > 0.0:  # the wall, and not the body
         yielded = change.wear_compliance * equilibrium.pressure
         equilibrium, punch = replace(equilibrium, displacement=equilibrium.displacement + yielded), punch + yielded
     law = problem.interface.normal_law
-    pull = 0.0 if law is None else law.traction(np.zeros(problem.surface.shape))
-    found = Contact(heights, punch, equilibrium, state, step, change, stiffness=of_waves, approach=approach, pull=pull)
+    at_contact = 0.0 if law is None else law.traction(np.zeros(problem.surface.shape))
+    found = Contact(heights, punch, equilibrium, state, step, change, stiffness=stiffness_of_waves, approach=approach)
+    found = replace(found, law_traction_at_contact=at_contact)
     return found if problem.periodic is True else replace(found, ends=problem.ends)
 
 
@@ -101,15 +102,14 @@ def _without_period(
     if start is not None and state.last is not None and state.last.approach is not None:
         sunk = 0.0 if load is None else state.last.approach
         start = free_window.start(start, state.last.equilibrium, sunk, response, problem.ends)
-    shared = None if load is None else free_window.share(problem.ends) * load
+    shared = None if load is None else free_window.area_fraction(problem.ends) * load
     for farther in free_window.FARTHER:
         around = free_window.around(punch, load, laws, change.factor, farther)
         found = equilibrate(punch, response, shared, problem.numerics, laws, start, slid, around)
-        touching = found.touching_around
-        assert touching is not None  # of a corner it is known
+        touching = np.asarray(found.touching_around)  # known, as the punch fills a corner
         if not touching.any():
             break
-    found.status[touching & (found.status == Status.ok)] = Status.no_equilibrium
+    found = replace(found, status=withdrawn(found.status, touching, Status.no_equilibrium))
     if load is None:
         return found, np.zeros((len(punch), *(1 for _ in punch.shape[1:])))
     sunk = free_window.sunk_in(found, response, problem.ends)
@@ -131,7 +131,7 @@ def _start(state: State, carried: Reals | None, punch: Reals, drag: Reals) -> St
 def continued(found: Equilibrium, punch: Reals, carried: Reals) -> Start:
     """Initial state for the same load again, once nodes were `carried` along the surface since the equilibrium found.
 
-    A touching node slips from where it did there, an open one touches down where it is.
+    A touching node keeps its anchor, and an open one touches down where it is.
     """
     tangential = found.tangential
     assert tangential is not None
@@ -140,7 +140,10 @@ def continued(found: Equilibrium, punch: Reals, carried: Reals) -> Start:
 
 
 def response_of(problem: Problem) -> SpectralResponse:
-    """Of all that deforms: of the normal displacement alone, or of all; around a window, on its padded grid."""
+    """Response of the deformable bodies together, of the normal displacement alone, or of all.
+
+    That of a window is on its padded grid.
+    """
     shape, ends, couples, counter = problem.surface.shape, problem.ends, problem.interface.couples, problem.counter
     if not couples and not any(ends):
         return SpectralResponse.of_normal(condensed_stiffness(problem, grid.magnitudes(shape)))
@@ -148,7 +151,7 @@ def response_of(problem: Problem) -> SpectralResponse:
         free_body.response(shape, body, ends, couples) if any(ends) else body.response(shape)
         for body in (problem.body, *(() if counter is None else (counter.elastic,)))
     )
-    return own if counter is None else own.in_series(other[0], counter.share)
+    return own if counter is None else own.in_series(other[0], counter.compliance_fraction)
 
 
 def condensed_stiffness(problem: Problem, q: Reals) -> Reals:
@@ -157,4 +160,4 @@ def condensed_stiffness(problem: Problem, q: Reals) -> Reals:
     if problem.counter is None:
         return own
     other = problem.counter.elastic.condensed_stiffness(q)
-    return stiffness.in_series(own, other, problem.counter.share)
+    return stiffness.in_series(own, other, problem.counter.compliance_fraction)

@@ -1,7 +1,14 @@
-"""What happened before a step of the loading, what makes it happen, and the contact that the step ends with.
+"""State before a step of the loading, the processes that make it, and the contact at the end of the step.
 
-A process remembers something between steps, and changes a step by what it remembers. A load path is a fold over steps:
-each begins in the state that the last one has left. Lengths are in g L_x, stresses in g E*.
+A process remembers something between steps, and modifies a step by its memory. A load path is a fold over steps: each
+begins in the state that the last one has left. Lengths are in g L_x, stresses in g E*. Words for motion along the
+surface:
+
+    sliding                   tangential displacement of the punch since first touch
+    tangential displacement   of a node of the body
+    slip                      of a node of the body on the punch in one step, from its anchor
+    anchor                    where a node was when the step began, moved with the punch
+    way, distance             length of a path, at least 0
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -34,24 +41,26 @@ class LoadStep(NamedTuple):
     duration: float = 0.0
     speed: float = 0.0
 
-    def towards(self, end: "LoadStep", share: float) -> "LoadStep":
+    def towards(self, end: "LoadStep", fraction: float) -> "LoadStep":
         """First share of the step from here to an end."""
-        rest = 1.0 - share
-        sliding = tuple(rest * here + share * there for here, there in zip(self.sliding, end.sliding, strict=True))
-        return LoadStep(rest * self.load + share * end.load, sliding, share * end.duration, end.speed)
+        rest = 1.0 - fraction
+        sliding = tuple(rest * here + fraction * there for here, there in zip(self.sliding, end.sliding, strict=True))
+        return LoadStep(rest * self.load + fraction * end.load, sliding, fraction * end.duration, end.speed)
 
 
 @dataclass(frozen=True)
-class Change:
-    """What a process does to a step; None means no change, and costs nothing.
+class StepModification:
+    """Modification of a step by a process; a part that is None modifies nothing, and costs nothing.
 
-    The wall has moved away from the body by `wall` `[realisation, (y,) x]`, as a punch does that loses material. Where
-    it touches it moves by another `wear_compliance` (L_x/E*) times the pressure, as a punch does that wears in the
-    step. The surface of the body has moved on its own by `normal_offset` `[realisation, (y,) x]` out of the body and by
-    `tangential_offset` `[realisation, component, (y,) x]` along it: displacements count from there. The bodies are
-    stiffer by a `factor`, and those that creep under a punch that slides steadily by a complex `modulus` of each wave.
-    The point of the punch at which a node sticks has moved by `anchor_shift`, of the shape of `tangential_offset`.
-    Tangential tractions bear `lifted` of the mean pressure.
+    - `wall` `[realisation, (y,) x]`: the wall has moved away from the body, as a punch does that loses material.
+    - `wear_compliance` (L_x/E*): where it touches, the wall moves by another wear_compliance times the pressure, as a
+      punch does that wears in the step.
+    - `normal_offset` `[realisation, (y,) x]` and `tangential_offset` `[realisation, component, (y,) x]`: the surface of
+      the body has moved on its own, out of the body and along it; the displacements solved for count from there.
+    - `factor`: the bodies are stiffer by this factor.
+    - `modulus` `[nx // 2 + 1]`: the complex modulus of each wave in bodies that creep under a steadily sliding punch.
+    - `anchor_shift` `[realisation, component, (y,) x]`: the anchor of each node has moved.
+    - `lifted`: the part of the mean pressure that tangential tractions carry.
     """
 
     wall: Reals | float | None = None
@@ -64,11 +73,11 @@ class Change:
     lifted: float = 0.0
 
     @classmethod
-    def of_all(cls, changes: Iterable["Change"]) -> "Change":
+    def of_all(cls, changes: Iterable["StepModification"]) -> "StepModification":
         """What several processes do together."""
         every = list(changes)
         if not every:
-            return NO_CHANGE
+            return NO_MODIFICATION
         wall, normal, tangential, anchors = (
             _sum(getattr(each, name) for each in every)
             for name in ("wall", "normal_offset", "tangential_offset", "anchor_shift")
@@ -86,7 +95,7 @@ class Change:
         return response if self.wear_compliance == 0.0 else response.with_yielding(self.wear_compliance)
 
 
-NO_CHANGE = Change()
+NO_MODIFICATION = StepModification()
 
 
 def _sum(parts: Iterable[Any]) -> Any:
@@ -106,7 +115,7 @@ class Process(Protocol):
         """What it remembers before the first step, of heights of a shape (realisation, (y,) x)."""
         ...
 
-    def change(self, state: "State", step: LoadStep) -> Change:
+    def change(self, state: "State", step: LoadStep) -> StepModification:
         """What it does to a step that begins in a state."""
         ...
 
@@ -119,10 +128,10 @@ class Process(Protocol):
 class State:
     """What happened before a step: what each process remembers, by its name, and the contact that the last step left.
 
-    `heights` `[realisation, (y,) x]` are those of the punch as it was made, peaks towards the body. Those of the smooth
-    `form` under its roughness are a part of them. `passing` is that of a problem, and `moved` has the heights
-    `[(y,) x]` of a form alone after a way (L_x). A step that `repeats` the load of the last one, on a surface that has
-    hardly moved since, holds nodes where that held them.
+    `heights` `[realisation, (y,) x]` are those of the punch as it was made, peaks towards the body. They include the
+    smooth `form` under its roughness. `passing` is that of a `Problem`, and `moved` maps a way (L_x) to the heights
+    `[(y,) x]` of a form alone that has moved by it. A step that `repeats` the load of the last one, on a surface that
+    has hardly moved since, begins with the sticking nodes of the last one.
     """
 
     heights: Reals
@@ -147,9 +156,9 @@ class State:
         way = tuple(self.passing * each for each in step.sliding)
         return grid.moved(heights, way) if self.moved is None else np.broadcast_to(self.moved(way), heights.shape)
 
-    def change(self, step: LoadStep) -> Change:
+    def change(self, step: LoadStep) -> StepModification:
         """What all processes do to the next step."""
-        return Change.of_all(each.change(self, step) for each in self.processes)
+        return StepModification.of_all(each.change(self, step) for each in self.processes)
 
     def step_before(self, step: LoadStep) -> LoadStep:
         """The step before the next one; at first no load, and no sliding."""
@@ -176,37 +185,39 @@ class State:
 
 @dataclass(frozen=True)
 class Followed:
-    """What a step of a path lost: energy per nominal area (g^2 E* L_x), and the load at its largest jump.
+    """Energy `dissipated` in a step of a path, per nominal area (g^2 E* L_x), and the load at its largest jump.
 
-    The load is the displacement of the punch (g L_x) or the mean pressure (g E*), not-a-number without a jump.
-    `least_pressure` is the smallest mean pressure of all solutions on the way (g E*), and `jump_sliding` the tangential
-    displacement of the punch along x at the jump (g L_x). What has `yielded` took its part of the energy lost.
+    The load `jump_at` is the displacement of the punch (g L_x) or the mean pressure (g E*), not-a-number without a
+    jump. `least_pressure` is the smallest mean pressure of all solutions on the way (g E*), and `jump_sliding` the
+    tangential displacement of the punch along x at the jump (g L_x). The `plastic_work` is a part of the energy
+    dissipated.
     """
 
-    lost: float
+    dissipated: float
     jump_at: float
     least_pressure: float = np.nan
     jump_sliding: float = np.nan
-    yielded: float = 0.0
+    plastic_work: float = 0.0
 
 
-NOTHING_LOST = Followed(0.0, np.nan)
+NO_LOSS = Followed(0.0, np.nan)
 
 
 @dataclass(frozen=True)
 class Contact:
     """Heights `[realisation, (y,) x]` of the punch, peaks towards the body, and the equilibrium of the body under it.
 
-    `punch` is the wall the displacement meets: the heights upside down, first touch (or the prescribed
-    displacement below it) at zero, moved by what processes do to this step (`change`). `before` is the state in which
-    the `step` began. `followed` tells of the step of a path that led here, None where steps are not divided.
-    `stiffness` is that of the deformable bodies at any wave numbers (E*/L_x). Without a period `approach`
+    `punch` is the wall that limits the displacement: the heights upside down, with first touch (or the prescribed
+    displacement below it) at zero, moved by the `change` that processes make to this step. `before` is the state in
+    which the `step` began. `followed` tells of the step of a path that led here, None where steps are not divided.
+    `stiffness` maps wave numbers to the stiffness of the deformable bodies (E*/L_x). Without a period, `approach`
     `[realisation, (1,) 1]` is how far the punch has sunk in since first touch, and displacements and punch are measured
     from the body at rest; it is None in a periodic contact. `ends` says along which of (y,) x the punch ends, and is
     empty with a period. `time_error` is the relative error by the divisions of all steps so far, 0 where no step
     is divided. `least_pressure` is the smallest mean pressure at any of the divisions of this step, infinite without
-    any, and `slid` `[realisation, (y,) x]` the way of each node along the punch in all of them, None without any.
-    `pull` is what a law of the gap pulls at no gap `[(y,) x]`, 0 without one. `found` is what observables have found.
+    any, and `slip_path` `[realisation, (y,) x]` the way of each node along the punch in all of them, None without any.
+    `law_traction_at_contact` `[(y,) x]` is the traction of a law of the gap where the gap is 0, 0 without one. `found`
+    are the observables found so far.
     """
 
     heights: Reals
@@ -214,15 +225,15 @@ class Contact:
     equilibrium: Equilibrium
     before: State | None = None
     step: LoadStep | None = None
-    change: Change = NO_CHANGE
+    change: StepModification = NO_MODIFICATION
     followed: Followed | None = None
     stiffness: Callable[[Reals], Reals] = stiffness.half_space
     approach: Reals | None = None
     ends: tuple[bool, ...] = ()
     time_error: float = 0.0
     least_pressure: float = np.inf
-    slid: Reals | None = None
-    pull: Reals | float = 0.0
+    slip_path: Reals | None = None
+    law_traction_at_contact: Reals | float = 0.0
     found: dict[object, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @cached_property
@@ -238,7 +249,7 @@ class Contact:
         return self
 
     @property
-    def sideways(self) -> Reals | None:
+    def tangential_displacement(self) -> Reals | None:
         """Tangential displacement of the body `[realisation, component, (y,) x]` in g L_x, None if none is followed."""
         found, along = self.equilibrium.tangential, self.change.tangential_offset
         return None if found is None else found.displacement if along is None else found.displacement + along
@@ -259,8 +270,8 @@ class Contact:
         return self.before.facing(self.before.form, self.step)
 
     @property
-    def flattened(self) -> Reals | float:
-        """How far the punch is flattened in this step (g L_x): what plastic nodes penetrate."""
+    def plastic_penetration(self) -> Reals | float:
+        """Depth by which plastic nodes penetrate the punch, and flatten it, in this step (g L_x)."""
         if self.equilibrium.plastic is None:
             return 0.0
         return np.maximum(self.equilibrium.displacement - self.punch, 0.0)
@@ -272,8 +283,8 @@ class Contact:
 
     @property
     def plastic_depth(self) -> Reals | float:
-        """How far the punch is flattened in all (g L_x), and stays when it is unloaded."""
-        depth: Reals | float = self.after.memory.get("dents", 0.0)
+        """Depth by which the punch has been flattened in all steps (g L_x), which stays when it is unloaded."""
+        depth: Reals | float = self.after.memory.get("indentation", 0.0)
         return depth
 
 

@@ -1,8 +1,8 @@
 """Steps of a path that take time or wear the punch, divided until halving all divisions changes next to nothing.
 
-The load and the sliding are linear in time over a step of the path. Divisions grow with the time since its beginning,
-as what a body remembers decays: they are equal in ln(1 + t / tau), tau the shortest relaxation time. Where the punch
-passes over the body or wears, all are alike.
+Load and sliding are linear in time over a step of the path. Divisions grow with the time t since the beginning of the
+step, as the memory of a body decays: they are equal in ln(1 + t / tau), with the shortest relaxation time tau. If the
+punch passes over the body or wears, all divisions are equal.
 """
 
 from collections.abc import Sequence
@@ -61,12 +61,12 @@ def is_divided(problem: Problem, before: LoadStep | None, step: LoadStep) -> boo
 
 
 def remaining_error(changes: Sequence[float]) -> float:
-    """Error that is left by divisions, halving all of which has made these changes.
+    """Error left after divisions have been halved repeatedly, from the changes by each halving.
 
-    Changes that go on to shrink r times leave 1 / (r - 1) of the last one. Errors fall as one over the square of the
-    number of divisions once these are short, r = 4, but less surely where nodes touch down or leave, and hardly where
-    relaxation times are not resolved. The smaller one of the last two r counts, and a change below a quarter of the
-    last one is chance.
+    If each change is smaller than the one before by the factor r, the error left is 1 / (r - 1) of the last change.
+    With short divisions the error falls as one over the square of their number, r = 4, less surely if nodes touch down
+    or leave, and hardly if relaxation times are not resolved. The smaller of the last two r counts. A change below a
+    quarter of the last one is taken as a quarter, as it is chance.
     """
     last = max(changes[-1], 0.25 * max(changes[-2:-1], default=0.0))
     shrink = [before / after if after > 0.0 else _FASTEST for before, after in pairwise(changes[-3:])]
@@ -78,29 +78,29 @@ def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, l
     start = state.step_before(problem.step)
     series, gone, least = problem.relaxation, 0.0, inf
     spent: list[Equilibrium] = []
-    slid: Reals | None = None
+    slip_path: Reals | None = None
     slides = (problem.passing is not None or problem.wear_rate is not None) and start.sliding != problem.step.sliding
     growth = _EVENLY if slides or series is None else log1p(problem.duration / min(series.times))
     for division in range(1, divisions + 1):
-        share = 1.0 if division == divisions else expm1(growth * division / divisions) / expm1(growth)
-        step = start.towards(problem.step, share)._replace(duration=(share - gone) * problem.duration)
+        fraction = 1.0 if division == divisions else expm1(growth * division / divisions) / expm1(growth)
+        step = start.towards(problem.step, fraction)._replace(duration=(fraction - gone) * problem.duration)
         solved = solution.solve(problem.under(step), state)
         spent.append(solved.equilibrium)
         if solved.equilibrium.tangential is not None:
             way = vector_slip.length(np.moveaxis(solved.equilibrium.tangential.slip, 1, 0))
-            slid = way if slid is None else slid + way
+            slip_path = way if slip_path is None else slip_path + way
         if solved.equilibrium.status[0] != Status.ok:
             break
-        state, gone, least = solved.after, share, min(least, float(solved.equilibrium.pressure.mean()))
-    return replace(solved, least_pressure=least, slid=slid), spent
+        state, gone, least = solved.after, fraction, min(least, float(solved.equilibrium.pressure.mean()))
+    return replace(solved, least_pressure=least, slip_path=slip_path), spent
 
 
 def difference(coarse: Contact, fine: Contact) -> float:
     """Largest relative difference of two contacts: of tractions, displacements, and what has worn.
 
-    It is a mean over the nodes, over the largest mean so far, or of what has worn over that itself. The error of a
-    traction remains when the traction falls again, so that it is relative to the largest one so far, which bodies that
-    creep remember.
+    It is a mean over the nodes, relative to the largest mean so far; for the worn depth relative to its own mean. The
+    error of a traction remains when the traction falls again. So it is relative to the largest traction so far, which
+    bodies that creep remember.
     """
     springs = fine.after.memory.get("springs")
     most = *((0.0, 0.0) if springs is None else springs.largest), 0.0

@@ -14,7 +14,7 @@ from gfmd_numba.contact.state import Contact, State, with_costs
 from gfmd_numba.roughness.surfaces import SummedSurface, given_surface
 from gfmd_numba.solvers import anderson
 from gfmd_numba.solvers.equilibrium import Equilibrium
-from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.status import Status, withdrawn
 
 _MOST_ROUNDS = 30
 _MOST_ROUNDS_INCLINED = 100
@@ -26,10 +26,10 @@ _CLOSER, _PATIENCE = 0.9, 3  # part of the least change so far that is closer; r
 
 @dataclass(frozen=True, kw_only=True)
 class RoughContact(Contact):
-    """The contact of the flat bodies that the rough ones amount to, and what the topography of each adds (L_x).
+    """The contact of the equivalent flat bodies, and the displacement that the topography of each body adds (L_x).
 
-    `next_order` is what the next order would add to any displacement (L_x), and `correction` what slopes added to the
-    contact.
+    `next_order` is the largest displacement that the next order would add (L_x), and `correction` are the corrections
+    by slopes.
     """
 
     responses: Responses
@@ -71,10 +71,11 @@ def begin(problem: Problem, realisation: int) -> State:
 def solve(problem: Problem, state: State) -> RoughContact:
     """Press rough bodies together, from the state that the last step has left.
 
-    Flat bodies are pressed against walls moved by what their slopes add, until that stands still to the residual of the
-    problem; where it does not, they are too steep. With friction or a cohesive law each round begins where the
-    last step ended, and slopes carry the nodes along the surface, too. Nodes may then be held elsewhere in each round,
-    as they stick in one and not in the next: where rounds come no closer, nodes stay where the last one has held them.
+    In rounds, flat bodies are pressed against walls moved by the corrections of the last round (`slopes.py`), until the
+    corrections change by less than the residual of the problem; if they do not, the bodies are too steep. With friction
+    or a cohesive law each round begins where the last step ended, and slopes also shift the nodes along the surface. A
+    node may then stick in one round and slip in the next. If rounds come no closer, nodes that stick keep the places of
+    the last round.
     """
     slopes = next(each for each in state.processes if isinstance(each, Slopes))
     gradient, has_friction = slopes.gradient, problem.interface.friction is not None
@@ -106,29 +107,30 @@ def solve(problem: Problem, state: State) -> RoughContact:
         correction = new
         state = state.remembering(slopes.name, correction)
     else:
-        solved = _failed(solved)
+        solved = _too_steep(solved)
     found = with_costs(solved.equilibrium, spent)
     solved = replace(solved, equilibrium=found, before=began.remembering(slopes.name, correction))
     error = slopes.next_order(solved, responses, correction.pairing)
     out = solved.change.normal_offset
     moved_by_all = found.displacement if out is None else found.displacement + out
-    if found.status[0] == Status.ok and error > _HALF * gradient * float(abs(moved_by_all).max()):
-        solved = _failed(solved)
+    if error > _HALF * gradient * float(abs(moved_by_all).max()):
+        solved = _too_steep(solved)
     of_contact = {each.name: getattr(solved, each.name) for each in fields(solved) if each.init}
     return RoughContact(**of_contact, responses=responses, next_order=error, correction=correction)
 
 
-def _failed(contact: Contact) -> Contact:
+def _too_steep(contact: Contact) -> Contact:
     """The same as a contact of bodies that are too steep."""
-    failed = np.full_like(contact.equilibrium.status, Status.too_steep)
+    failed = withdrawn(contact.equilibrium.status, True, Status.too_steep)
     return replace(contact, equilibrium=replace(contact.equilibrium, status=failed))
 
 
 class SlopeRounds:
-    """Rounds that each take a state of some arrays to another one, until both are the same; slow ones are extrapolated.
+    """Rounds that map a state of some arrays to another one, until both are the same; slow rounds are extrapolated.
 
-    Rounds that move apart on one side are not extrapolated: where a topography is too steep for its order, a solution
-    that all of them leave behind would mean nothing. Those that jump to and fro have it between them.
+    Rounds that move away from a fixed point on one side are not extrapolated back to it: if a topography is too steep
+    for its order, this fixed point means nothing. Rounds that jump to and fro have the fixed point between them, and
+    are extrapolated.
     """
 
     def __init__(self) -> None:

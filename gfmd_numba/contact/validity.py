@@ -1,4 +1,4 @@
-"""Warnings about what was solved, one sentence each: what linear elasticity, the grid or the orders leave out."""
+"""Warnings about a solved contact, a sentence each: effects that linear elasticity, the grid or orders leave out."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial

@@ -1,7 +1,9 @@
 """The elastic body: a half-space, a slab bonded to a rigid base, or a stack of layers on either; its surface is flat.
 
-Lengths in L_x, stresses in E*, of a stack that of its topmost layer. Nothing beyond this file needs to know which of
-the three a body is.
+Slabs and layers are always bonded to what is below them: a rigid base without friction is not available. At the top
+surface, `condensed_stiffness` holds without tangential tractions there, and `response` has all displacements. Lengths
+in L_x, stresses in E*, of a stack the E* of its topmost layer. Nothing beyond this file needs to know which of the
+three a body is.
 
 A pressure wave of wave number q moves a half-space by 2/q times itself. With k = q height and c = 3 - 4 nu, it moves a
 slab by (2/q) (2 c sinh 2k - 4 k) / (2 c cosh 2k + 4 k^2 + 1 + c^2), and a uniform one by (1 - 2 nu)/(1 - nu)^2 height.
@@ -19,17 +21,32 @@ from gfmd_numba.elasticity import moduli
 from gfmd_numba.elasticity.layers import Stack, merged
 from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
-from gfmd_numba.elasticity.stiffness import Compliance, half_space
+from gfmd_numba.elasticity.stiffness import half_space
 from gfmd_numba.fourier import grid
 
 _SURE = 1e-12  # difference from a half-space below which its leading term is taken, as rounding hides the rest
 
 
 @dataclass(frozen=True)
-class ElasticBody:
-    """Poisson's ratio up to 1/2, None where it does not matter; height over L_x, None if no rigid base is below.
+class Compliance:
+    """Elements S11, S13, S33 of the inverse of the stiffness (6.57) `[nx // 2 + 1]`, in L_x/E*."""
 
-    A body of several materials is a `stack`, and has no Poisson's ratio of its own.
+    s11: Reals
+    s13: Reals
+    s33: Reals
+
+    @property
+    def elements(self) -> tuple[Reals, Reals, Reals]:
+        """The elements of the inverse matrix, in the order and with the signs of those of the stiffness."""
+        return self.s11, -self.s13, self.s33
+
+
+@dataclass(frozen=True)
+class ElasticBody:
+    """Poisson's ratio up to 1/2, None where it does not matter, and `aspect_ratio`, the height over L_x.
+
+    Without a rigid base, the aspect ratio is None. A body of several materials is a `stack`, and has no Poisson's ratio
+    of its own.
     """
 
     poissons_ratio: float | None
@@ -42,7 +59,7 @@ class ElasticBody:
     ) -> "ElasticBody":
         """Layers from the surface downwards (heights in L_x) on a half-space of the base, or a rigid one if None.
 
-        Layers that are one slab or half-space together make that.
+        Equal layers merge, so that the body may be a slab or a half-space.
         """
         stack = merged(heights, materials, base)
         if not stack.heights:
@@ -59,7 +76,7 @@ class ElasticBody:
         return self.poissons_ratio
 
     @property
-    def base(self) -> float:
+    def base_z(self) -> float:
         """Place z of the rigid base, minus the height over L_x; minus infinity for a half-space."""
         return -inf if self.aspect_ratio is None else -self.aspect_ratio
 
@@ -72,7 +89,7 @@ class ElasticBody:
 
     @cached_property
     def layers(self) -> Stack:
-        """All that it is made of as a stack: a slab is one layer on a rigid base, and a half-space nothing but a base.
+        """The body as a stack: a slab is one layer on a rigid base, and a half-space a base without layers.
 
         Raises ValueError for a body of one material without a Poisson's ratio.
         """
@@ -89,11 +106,14 @@ class ElasticBody:
         return 1.0 / tangential, 1.0 / normal if normal > 0.0 else inf
 
     def material(self, depth: float) -> Material:
-        """Material at a depth, at an interface that above it; raises ValueError without a Poisson's ratio."""
+        """Material at a depth, at an interface the upper one; raises ValueError without a Poisson's ratio."""
         return self.layers.material(depth)
 
     def condensed_stiffness(self, q: Reals) -> Reals:
-        """Stiffness at wave numbers q of the normal displacement without tangential tractions, in E*/L_x (6.75)."""
+        """Stiffness at wave numbers q of the normal displacement without tangential tractions, in E*/L_x (6.75).
+
+        The tangential displacement is condensed: eliminated, as no traction acts on it at the surface.
+        """
         if self.stack is None and self.aspect_ratio is None:
             return half_space(q)
         found = np.full_like(q, self.uniform_stiffness()[1])
@@ -104,7 +124,8 @@ class ElasticBody:
     def deviation(self) -> float:
         """Largest relative difference of the stiffness of a wave from that of a half-space of the topmost material.
 
-        It stems from below the topmost layer, and fades with exp(-2 q height): of a slab the longest wave has it.
+        The difference stems from below the topmost layer, and fades as exp(-2 q height). So in a slab the longest wave
+        has the largest one.
         """
         height, count = self.layers.heights[0], 1 if self.stack is None else 256
         q = 2.0 * np.pi * np.unique(np.round(np.geomspace(1.0, max(1.0, 6.0 / height), count)))

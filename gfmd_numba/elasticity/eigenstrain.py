@@ -1,10 +1,10 @@
 """Strains in a half-space whose sublayers have eigenstrains that keep the volume, under a pressure on its surface.
 
-An eigenstrain is given at the nodes of a map (a profile is one of one row) and constant over the thickness of each
-sublayer; the strains found are means over it. So the eigenstrains do work on just these strains, and the operator from
-one to the other is symmetric and positive. It is exact for each wave but that at Nyquist, which is left out.
-Components are xx, zz, xz and on maps xy and yz of deviatoric tensors, yy being what is left. Lengths are in L_x,
-strains and stresses over E* in one unit.
+An eigenstrain is given at the nodes of a map (a profile is a map of one row), and is constant over the thickness of
+each sublayer. The strains are means over each sublayer. So the eigenstrains do work on just these strains, and the
+operator from eigenstrains to strains is symmetric and positive. It is exact for each wave but the Nyquist wave, which
+is left out. Components are xx, zz, xz and on maps xy and yz of deviatoric tensors, with yy = -xx - zz. Lengths are in
+L_x, strains and stresses over E* in one unit.
 """
 
 import numpy as np
@@ -32,9 +32,9 @@ class Sublayers:
         self._surface = np.zeros((3, q.size), dtype=np.complex128)
 
     def surface_displacement(self, eigenstrain: Reals) -> Reals:
-        """How far the free surface moves out of the body `[y, x]` by an eigenstrain `[component, sublayer, y, x]`.
+        """Displacement of the free surface out of the body `[y, x]` by an eigenstrain `[component, sublayer, y, x]`.
 
-        It is 0 in the mean, and `strains` then knows the eigenstrain.
+        Its mean is 0. The eigenstrain is kept for a call of `strains`.
         """
         some = eigenstrain.any(axis=(0, 2, 3))
         waves = self.shape[0], self.shape[1] // 2 + 1
@@ -49,7 +49,8 @@ class Sublayers:
     def strains(self, pressure: Reals, with_normal: bool = False) -> Reals:
         """Deviatoric strains `[component, sublayer, y, x]` under a pressure `[y, x]` by the last eigenstrain.
 
-        Ask for the normal stress zz as a last component. Ask for the `surface_displacement` again before a second call.
+        If `with_normal`, the last component is the normal stress zz. Call `surface_displacement` again before a second
+        call.
         """
         spectrum = grid.coefficients(pressure, 2)
         if with_normal:

@@ -1,9 +1,9 @@
 """Displacement, strain and stress inside a body below its loaded surface, one plane at a time (thesis 2.2, (2.6)).
 
-A wave of wave vector q = |q| (c, s) splits in two, as in `spectral_response.py`: along q and z it is that of
-`layers.py`, and across q it is one of shear alone. Both are turned back into the axes x and y. A profile is a map of
-one row, whose waves all go along x. Waves that have died out at a depth are left out there. The Nyquist wave
-k_y = ny/2 is kept as both ny/2 and -ny/2, half of it each. Of the volume one plane at a time is in memory.
+A wave of wave vector q = |q| (c, s) splits in two, as in `spectral_response.py`: the part along q and z is a wave of
+`layers.py`, the part across q a wave of shear alone. Both are turned back into the axes x and y. A profile is a map of
+one row, whose waves all go along x. Waves that have died out at a depth are left out there. The Nyquist wave k_y = ny/2
+is kept as both ny/2 and -ny/2, half of it each. One plane at a time is in memory.
 
 Under a pressure p cos(q x) on a half-space, the stresses at a depth d are
 
@@ -41,7 +41,7 @@ _CHUNK = 2**16  # waves taken at once, which bounds the memory
 
 
 class LoadedSurface(Protocol):
-    """A surface that tells the waves below it."""
+    """A loaded surface, from which the waves below it are known."""
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -127,8 +127,9 @@ def surface_under_waves(
 def displaced_surface(displacements: Reals, body: ElasticBody) -> Surface:
     """Surface of given displacements `[component, (y,) x]`, along it and out of the body.
 
-    A mean held by no traction, or an infinite one, is taken to need none. Of the Nyquist wave of a profile the nodes
-    know one phase only; what is a quarter wave off follows as if it were free. Those of a map are left out.
+    A mean displacement that no traction restores, or only an infinite one, is assumed to take none. The nodes sample
+    one phase of the Nyquist wave of a profile; the phase a quarter wave off follows as if it were free. The Nyquist
+    waves of a map are left out.
     """
     rows = in_rows(displacements)
     waves, shape = grid.coefficients(rows, 2), rows.shape[1:]
@@ -173,7 +174,7 @@ class Inside:
     def section(self, z: Reals, names: tuple[str, ...], across: Axis = "y", at: float = 0.0) -> Reals:
         """Named fields `[field, z, node]` on the vertical section x = at, or y = at (L_x), over the nodes along it.
 
-        That of a profile is y = 0. Raises ValueError for z outside the body.
+        The section of a profile is y = 0. Raises ValueError for z outside the body.
         """
         on_line, along = (spectrum_at_x, 0) if across == "x" else (spectrum_at_y, 1)
 
@@ -244,7 +245,7 @@ def waves_kept(shape: tuple[int, ...], depth: float, periods: tuple[float, float
 
 def depth_of(z: float, body: ElasticBody) -> float:
     """Depth below the surface; raises ValueError for z outside the body."""
-    if not (np.isfinite(z) and z >= body.base * (1.0 + 1e-12) and z <= 0.0):
+    if not (np.isfinite(z) and z >= body.base_z * (1.0 + 1e-12) and z <= 0.0):
         raise ValueError("z outside the body")
     return max(-float(z), 0.0)
 
@@ -285,10 +286,10 @@ def spectrum_of_plane(
 
 
 def _transfer(q: Reals, depth: float, body: ElasticBody) -> Reals:
-    """Wave number, and what unit displacements of the surface make at a depth, `[11, q]`, 0 for the mean.
+    """Wave number, and the response at a depth to unit displacements of the surface, `[11, q]`, 0 for the mean.
 
-    That is of those along q and out of the surface U_1, U_3, P and W (2.4), in pairs, and of those across q the
-    displacement and its slope over q.
+    For displacements along q and out of the surface these are U_1, U_3, P and W (2.4), in pairs; for displacements
+    across q, the displacement and its slope over q.
     """
     found = np.zeros((11, q.size))
     found[0] = q

@@ -1,12 +1,13 @@
 """Displacement, strain and stress inside a body without a period, under tractions on a window of its surface.
 
-In a window of length 1 they are an integral over all wave vectors q of what `fields.py` finds of each wave. A sum over
-the waves of a period P is that integral to all digits, if what is summed is smooth: beyond a distance of P - 1, where
-the images of the window are, its kernel is then zero. Near q = 0 it is not smooth, as bodies give way like 1/|q|. So
-the sum over the waves of P = 2 has the share 1 - X(q) alone, where X((P - 1) q) falls from 1 to 0 around some waves.
-The share X(q) - X(3 q) is summed over the few waves of P = 4, X(3 q) - X(7 q) over those of P = 8, and so on. What is
-left in the end are waves so long that the displacement by them is uniform, and known: on profiles it is the logarithm
-of the last period. Along an axis with a period, P stays 1: the longest waves are then those of a profile.
+In a window of length 1 the fields are an integral over all wave vectors q of the waves of `fields.py`. A sum over the
+waves of a period P equals this integral to all digits if the integrand is smooth: the kernel is then zero beyond a
+distance of P - 1, where the images of the window are. Near q = 0 the integrand is not smooth, as compliances go as
+1/|q|. So the integrand is divided by a function X, where X((P - 1) q) falls from 1 to 0 around some waves. The part 1 -
+X(q) is summed over the waves of P = 2, the part X(q) - X(3 q) over the few waves of P = 4, X(3 q) - X(7 q) over those
+of P = 8, and so on. The waves that are left are so long that their displacement is uniform, and known: on profiles it
+is the logarithm of the last period. Along an axis with a period, P stays 1: the longest waves are then those of a
+profile.
 
 Each sum is one of periodic tractions, all lengths in L_x and stresses in E*.
 """
@@ -65,7 +66,7 @@ def under_tractions(tractions: Reals, body: ElasticBody, ends: tuple[bool, ...] 
 def _left(rows: Reals, body: ElasticBody, ends: tuple[bool, ...], period: float) -> Reals:
     """Displacement along x, y and z `[component]` in all waves of a half-space that are longer than those of the sums.
 
-    They feel the base of layers alone. Under a line load the surface is displaced by zero at a distance of one window.
+    These waves feel the base of layers alone. The displacement by a line load is zero at a distance of one window.
     """
     force = rows.mean(axis=(1, 2))
     if body.aspect_ratio is not None:

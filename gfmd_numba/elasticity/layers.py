@@ -1,7 +1,8 @@
 """A stack of layers on a rigid base or a half-space: compliance of its surface and waves inside it.
 
-Lengths in L_x, stresses in E* of the topmost layer. The layers are taken from the base upwards, each adding itself to
-the compliance of all below it, as in layered acoustics (Rokhlin & Wang, J. Acoust. Soc. Am. 112:822, 2002).
+Lengths in L_x, stresses in E* of the topmost layer. The compliance is found from the base upwards, layer by layer: from
+the compliance at the bottom of a layer follows the one at its top, as in layered acoustics (Rokhlin & Wang, J. Acoust.
+Soc. Am. 112:822, 2002).
 
 A wave of wave number q is u_1 = U_1(z) cos(qx), u_3 = U_3(z) sin(qx), with the tractions sigma_13 = 2 G q t_1 cos(qx)
 and sigma_33 = 2 G q t_3 sin(qx) on planes of constant z, which points out of the body. Hooke's law in plane strain and
@@ -19,7 +20,9 @@ decay upwards are followed, each in its own direction, so that only exp(-q h) oc
 the bottom. Transfer matrices of several layers are never multiplied: they lose all digits once exp(2 q h) exceeds the
 inverse of the rounding.
 
-All matrices are `[2, 2, wave]`, rows and columns being component 1 and 3.
+All matrices are `[2, 2, wave]`, rows and columns being component 1 and 3. For one layer on a rigid base S33 is the
+formula of a slab at the head of `body.py`. Layers are bonded to each other and to the base: at a rigid base
+U_1 = U_3 = 0. A base without friction, U_3 = t_1 = 0, is not built.
 """
 
 from dataclasses import dataclass
@@ -31,16 +34,17 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity import moduli
 from gfmd_numba.elasticity.moduli import Material
-from gfmd_numba.elasticity.stiffness import scaled_sinh_minus_x
 
 _FADED = 40.0  # q depth below which nothing is felt at the surface: exp(-2 q depth) (q depth)^2 < 1e-31
 _CHUNK = 2**14  # waves taken at once, whose matrices stay in the cache
 _THIN = 1.0  # q h below which a layer is taken as a whole
 
+_SERIES = 1.0 / np.array([6.0, 120.0, 5040.0, 362880.0, 39916800.0, 6227020800.0, 1307674368000.0])
+
 
 @dataclass(frozen=True)
 class Transfer:
-    """What one unit of U_1 and of U_3 at the surface makes of U_1, U_3, P and W at a depth, wave by wave.
+    """Values of U_1, U_3, P and W at a depth, for unit U_1 and for unit U_3 at the surface, wave by wave.
 
     P and W are conjugate harmonic functions, P' = -q W: 2 (1 - 2 nu) q P is the dilatation, 2 (1 - nu) q W the
     rotation, so that stresses over the shear modulus stay finite at nu = 1/2 (2.4).
@@ -71,7 +75,7 @@ class Stack:
         return sum(self.heights)
 
     def material(self, depth: float) -> Material:
-        """Material at a depth (L_x), at an interface that above it."""
+        """Material at a depth (L_x), at an interface the upper one."""
         for bottom, material in zip(accumulate(self.heights), self.materials, strict=True):
             if depth <= bottom * (1.0 + 1e-12):
                 return material
@@ -276,6 +280,15 @@ def of_waves(v: Reals, w: Reals, poissons_ratio: float) -> Reals:
             [difference[0] - (1.0 - 2.0 * nu) * difference[1], both[0] - 2.0 * (1.0 - nu) * both[1]],
         ]
     )
+
+
+def scaled_sinh_minus_x(x: Reals) -> Reals:
+    """(sinh x - x) exp(-x) without cancellation at small x or overflow at large x."""
+    decay = np.exp(-x)
+    small = np.minimum(x, 1.0)
+    series = small**3 * np.polynomial.polynomial.polyval(small**2, _SERIES) * decay
+    direct = -0.5 * np.expm1(-2.0 * x) - x * decay
+    return np.where(x < 1.0, series, direct)
 
 
 def half_space_compliance(poissons_ratio: float) -> Reals:

@@ -1,4 +1,4 @@
-"""Moduli of an isotropic body in plane strain, in units of its effective modulus E* (thesis 6.1.4)."""
+"""Moduli of an isotropic body in units of its effective modulus E*: in plane strain but for `plane_modulus` (6.1.4)."""
 
 from dataclasses import dataclass
 from typing import Literal, TypeVar
@@ -34,13 +34,14 @@ def c44(poissons_ratio: Reals | float) -> Reals:
     return 0.5 * (1.0 - np.asarray(poissons_ratio, dtype=np.float64))
 
 
-def dundurs_beta(poissons_ratio: float, other: float, share: float) -> float:
-    """Dundurs' second constant of two bodies in plane strain; `share` is the other's part of 1/E* (Johnson 1985, 5.1).
+def dundurs_beta(poissons_ratio: float, other: float, compliance_fraction: float) -> float:
+    """Dundurs' second constant of two bodies in plane strain (Johnson 1985, 5.1).
 
-    On half-spaces it couples pressure and relative tangential displacement. It is 0 for two equal bodies.
+    The other body has the `compliance_fraction` of 1/E*. On half-spaces the constant couples pressure and relative
+    tangential displacement. It is 0 for two equal bodies.
     """
     own, facing = ((1.0 - 2.0 * nu) / (1.0 - nu) for nu in (poissons_ratio, other))
-    return 0.5 * ((1.0 - share) * own - share * facing)
+    return 0.5 * ((1.0 - compliance_fraction) * own - compliance_fraction * facing)
 
 
 @dataclass(frozen=True)

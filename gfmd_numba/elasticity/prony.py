@@ -6,7 +6,7 @@ with E the relaxed modulus. Its Poisson's ratio is constant, so that one factor 
 Each branch i is a spring of modulus m_i behind a dashpot. Where a displacement u is linear in a step of duration dt,
 x = dt / tau_i, the stretch w_i of the spring of a branch becomes, exactly,
 
-    w_i' = kept_i w_i + joined_i (u' - u),    kept_i = exp(-x),    joined_i = (1 - exp(-x)) / x.
+    w_i' = decay_i w_i + ramp_factor_i (u' - u),    decay_i = exp(-x),    ramp_factor_i = (1 - exp(-x)) / x.
 
 The compliances of two bodies that bear the same tractions add up, and are again that of a Maxwell body: with s times
 the Laplace transforms, E(s) = 1 + sum_i m_i s tau_i / (1 + s tau_i) and 1/E(s) = J(s) = 1 - sum_k j_k s theta_k / (1 +
@@ -43,7 +43,7 @@ class PronySeries:
         return float(_updated(times, np.sqrt(np.array(self.moduli) * times))[0].max())
 
     def lags(self, frequency: Reals) -> Complexes:
-        """Stretch of the spring of each branch over the displacement `[branch, ...]`, at angular frequencies."""
+        """Complex stretch of the spring of each branch over the displacement `[branch, ...]` at angular frequencies."""
         phase = 1j * np.multiply.outer(np.array(self.times), frequency)
         return np.asarray(phase / (1.0 + phase))
 
@@ -53,16 +53,17 @@ class PronySeries:
 
     def factor(self, duration: float) -> float:
         """Factor on the stiffness against what a step of a duration adds to the displacement."""
-        return 1.0 + float(np.array(self.moduli) @ self.shares(duration)[1])
+        return 1.0 + float(np.array(self.moduli) @ self.update_coefficients(duration)[1])
 
-    def shares(self, duration: float) -> tuple[Reals, Reals]:
-        """Shares `[branch]` of the old stretch that a spring has kept, and of the step that it is stretched by."""
-        return _shares(self.times, duration)
+    def update_coefficients(self, duration: float) -> tuple[Reals, Reals]:
+        """Return `decay` and `ramp_factor` `[branch]` of a step of a duration, as at the head of this file."""
+        return _update_coefficients(self.times, duration)
 
     def losses(self, duration: float) -> Reals:
-        """Integrals over a step of t / tau_i, of what the dashpots do to the products of stresses and stretches.
+        """Coefficients `[3, branch]` of the energy that dashpots dissipate in a step, bilinear in stress and stretch.
 
-        `[3, branch]`: of products of two old ones, of an old one and the change in the step, and of two changes.
+        They multiply the products of old stress and old stretch, of an old value and a change in the step, and of the
+        two changes. Each is an integral over t / tau_i.
         """
         x = duration / np.array(self.times)
         gone = -np.expm1(-x)
@@ -71,21 +72,21 @@ class PronySeries:
         exact = (x - 2.0 * gone + twice) / safe**2
         series = x * (1.0 / 3.0 - x * (1.0 / 4.0 - x * (7.0 / 60.0 - x / 24.0)))
         both = np.where(x < _SMALL, series, exact)
-        return np.array([twice, 0.5 * gone * self.shares(duration)[1], both])
+        return np.array([twice, 0.5 * gone * self.update_coefficients(duration)[1], both])
 
 
 def in_series(parts: Sequence[tuple[float, PronySeries]]) -> PronySeries:
-    """Series of bodies that bear the same tractions, each with its share of the relaxed compliance and its own series.
+    """Series of bodies that bear the same tractions, each with its fraction of the relaxed compliance and its series.
 
-    Exact but for rounding: a branch that bears less than that is none. An elastic body has no branches.
+    Exact but for rounding: a branch with a smaller modulus than the rounding is left out. An elastic body has none.
     """
-    whole = sum(share for share, _ in parts)
-    shares, retardation = [np.zeros(0)], [np.zeros(0)]
-    for share, series in parts:
+    whole = sum(fraction for fraction, _ in parts)
+    delayed_fractions, retardation = [np.zeros(0)], [np.zeros(0)]
+    for fraction, series in parts:
         times = np.array(series.times)
         found, delayed = _updated(times, np.sqrt(np.array(series.moduli) * times))
-        shares, retardation = [*shares, share / whole * delayed], [*retardation, found]
-    delayed, rates = np.concatenate(shares), 1.0 / np.concatenate(retardation)
+        delayed_fractions, retardation = [*delayed_fractions, fraction / whole * delayed], [*retardation, found]
+    delayed, rates = np.concatenate(delayed_fractions), 1.0 / np.concatenate(retardation)
     glassy = 1.0 / (1.0 - delayed.sum())  # modulus
     relaxing, moduli = _updated(rates, np.sqrt(glassy * delayed * rates))
     moduli = glassy * moduli
@@ -103,7 +104,7 @@ def _updated(diagonal: Reals, column: Reals) -> tuple[Reals, Reals]:
 
 
 @lru_cache(maxsize=64)
-def _shares(times: tuple[float, ...], duration: float) -> tuple[Reals, Reals]:
+def _update_coefficients(times: tuple[float, ...], duration: float) -> tuple[Reals, Reals]:
     x = duration / np.array(times)
-    joined = np.divide(-np.expm1(-x), x, out=np.ones_like(x), where=x > 0.0)
-    return np.exp(-x), joined
+    ramp_factor = np.divide(-np.expm1(-x), x, out=np.ones_like(x), where=x > 0.0)
+    return np.exp(-x), ramp_factor

@@ -1,4 +1,4 @@
-"""What the numbers of a scene count in, L_x, E* and a time, and its elastic bodies in these units."""
+"""Units of the numbers of a scene, L_x, E* and a time, and its elastic bodies in these units."""
 
 import math
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from gfmd_numba.scene.units import in_reduced_units, rounded
 def effective_modulus(body: Body, in_pascal: bool) -> float:
     """E* in Pa, or 1 where stresses stay in E*.
 
-    Of layers that of the topmost one, which the shortest waves, and so the contact spots, feel alone.
+    The E* of layers is that of the topmost one, as the shortest waves, and so the contact spots, feel this layer alone.
     """
     if body.surface_modulus is None or not in_pascal:
         return 1.0
@@ -43,19 +43,20 @@ def elastic_body(own: Body) -> ElasticBody:
 
 @dataclass(frozen=True)
 class Scales:
-    """What the numbers of a scene count in, and its bodies in these units: all that loads do not change.
+    """Units of the numbers of a scene, and its bodies in these units, which no load changes.
 
-    `length` is L_x in m and `modulus` is E* in Pa, of all that deforms: under one pressure compliances 1/E* add up.
-    Both are 1 where the scene has none. `time` is the longest relaxation time in s, 1 without one. Each of the
-    `bodies` has its part E*/E_i* of the compliance 1/E*, to 12 digits: it is the same in all units. `relaxation` are
-    the branches of all that deforms over its relaxed modulus and that time, None if nothing creeps.
+    `length` is L_x in m, and `modulus` is E* in Pa. Under one pressure the compliances of two bodies add up,
+    1/E* = 1/E_1* + 1/E_2*. Both are 1 where the scene has none. `time` is the longest relaxation time in s, 1 without
+    one. `compliance_fractions` are the E*/E_i* of the `bodies`, to 12 digits: they are the same in all units.
+    `relaxation` is the Prony series of the bodies together, its moduli over the relaxed E* and its times over `time`;
+    None if nothing creeps.
     """
 
     length: float
     modulus: float
     time: float
     bodies: tuple[ElasticBody, ...]
-    shares: tuple[float, ...]
+    compliance_fractions: tuple[float, ...]
     relaxation: PronySeries | None
 
 
@@ -69,12 +70,12 @@ def _scales(bodies: tuple[Body, ...], length: float | None, in_pascal: bool) -> 
     time = max((branch.time for body in bodies for branch in body.relaxation or ()), default=1.0)
     moduli_of = [effective_modulus(body, in_pascal) for body in bodies]
     modulus = moduli_of[0] if len(bodies) == 1 else 1.0 / sum(1.0 / each for each in moduli_of)
-    shares = tuple(rounded(modulus / each) for each in moduli_of)
+    fractions = tuple(rounded(modulus / each) for each in moduli_of)
     # in its own modulus, so that it is the same in all units
     own = [in_reduced_units(body, length or 1.0, body.surface_modulus or 1.0, time) for body in bodies]
     branches = [body.relaxation or () for body in own]
     series = [PronySeries(tuple(each.modulus for each in of), tuple(each.time for each in of)) for of in branches]
     relaxation = None
-    if any(branches):  # two bodies give way alike, as the table of combinations says, each by its share
-        relaxation = series[0] if len(series) == 1 else in_series(tuple(zip(shares, series, strict=True)))
-    return Scales(length or 1.0, modulus, time, tuple(map(elastic_body, own)), shares, relaxation)
+    if any(branches):  # two bodies give way alike, as the table of combinations says, each by its fraction
+        relaxation = series[0] if len(series) == 1 else in_series(tuple(zip(fractions, series, strict=True)))
+    return Scales(length or 1.0, modulus, time, tuple(map(elastic_body, own)), fractions, relaxation)

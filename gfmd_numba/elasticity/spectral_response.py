@@ -1,10 +1,10 @@
-"""What a body does under tractions on its periodic surface, wave by wave.
+"""Response of a body to tractions on its periodic surface, wave by wave.
 
-One matrix a wave links what is followed of its displacements to their tractions: the normal one alone, both of a
-profile, or all three of a map. A wave of wave vector q = |q| (c, s) splits in two. Along q and out of the surface it is
-the wave of a profile, with K11, K13 and K33 of (6.57). Across q it is one of shear alone, which nothing couples to, of
-stiffness K22, G |q| for a half-space. In the axes x, y of the map, with z out of the surface, the stiffness is the
-Hermitian matrix
+One matrix for each wave links its displacements to their tractions: the normal displacement alone, both of a profile,
+or all three of a map. A wave of wave vector q = |q| (c, s) splits in two. The part along q and out of the surface is
+the wave of a profile, with K11, K13 and K33 of (6.57). The part across q is a wave of shear alone, which does not
+couple to the other part, of stiffness K22, G |q| for a half-space. In the axes x, y of the map, with z out of the
+surface, the stiffness is the Hermitian matrix
 
     [[xx, xy, i xz], [xy, yy, i yz], [-i xz, -i yz, zz]],    xx = K11 c^2 + K22 s^2,    xy = (K11 - K22) c s,
     yy = K11 s^2 + K22 c^2,    xz = K13 c,    yz = K13 s,    zz = K33,
@@ -138,23 +138,23 @@ class SpectralResponse:
         out = zz * z - 1j * (xz * x + yz * y)
         return np.array([*moved[: len(along)], out])
 
-    def in_series(self, other: "SpectralResponse", share: float) -> "SpectralResponse":
-        """Response of two bodies that face each other, for how far they approach and slide past each other.
+    def in_series(self, other: "SpectralResponse", compliance_fraction: float) -> "SpectralResponse":
+        """Response of two bodies that face each other: of their approach and relative tangential displacement.
 
         Compliances add up wave by wave, but the couplings xz and yz subtract: one pressure moves both surfaces along x
-        the same way. What is left on half-spaces is 2 beta/q with Dundurs' beta. Each body is given in its own E*, the
-        result is in that of both together; `share` is the other's part of 1/E*.
+        the same way. The difference on half-spaces is 2 beta/q with Dundurs' beta. Each body counts in its own E*, the
+        result in the E* of both together; `compliance_fraction` is the part of the other body in 1/E*.
         """
         window = None
         if self.window is not None and other.window is not None:
             ways = self.window.stiffness, other.window.stiffness
-            window = replace(self.window, stiffness=lambda q: in_series(ways[0](q), ways[1](q), share))
+            window = replace(self.window, stiffness=lambda q: in_series(ways[0](q), ways[1](q), compliance_fraction))
         facing = other.inverse()
         facing[_OUT_OF_PLANE[len(facing)]] *= -1.0
-        compliance = (1.0 - share) * self.inverse() + share * facing
+        compliance = (1.0 - compliance_fraction) * self.inverse() + compliance_fraction * facing
         _mean(compliance)[:] = _UNIT[_FOLLOWED[len(facing)]]
         found, own = inverse(compliance), _mean(self.elements)
-        _mean(found)[:] = np.where(own > 0.0, in_series(own, _mean(other.elements), share), 0.0)
+        _mean(found)[:] = np.where(own > 0.0, in_series(own, _mean(other.elements), compliance_fraction), 0.0)
         return SpectralResponse(found, window)
 
     def coarsened(self, shape: tuple[int, ...]) -> "SpectralResponse":
@@ -191,7 +191,8 @@ class SpectralResponse:
     def with_yielding(self, compliance: float) -> "SpectralResponse":
         """Response with a wall that yields to the pressure at each node.
 
-        `compliance` is how far, in L_x/E*. A mean displacement that nothing restores stays so.
+        The wall yields by `compliance` (L_x/E*) times the pressure. A mean displacement that nothing restores remains
+        free.
         """
         window = self.window
         if window is not None:

@@ -7,10 +7,10 @@ traction t on the surface z = h(x, y), per area of the plane, is
 
     t_i = s_i - sum_a d/dx_a integral from 0 to h of sigma_ia dz,    a = x, y,
 
-and both that and the displacement at z = h are Taylor series about z = 0. The state (u, sigma_13, sigma_23, sigma_33)
-obeys a linear equation in z whose coefficients hold derivatives along x and y only, so that every order needs just
-transforms. The terms of an order cancel but for the slope at waves far shorter than h; products are therefore taken
-on a finer grid, free of aliasing. The Nyquist waves stay at order 0. A profile is a map of one row.
+and t and the displacement at z = h are Taylor series about z = 0. The state (u, sigma_13, sigma_23, sigma_33) obeys a
+linear equation in z whose coefficients hold derivatives along x and y only, so that every order needs just transforms.
+The terms of an order cancel but for the slope at waves far shorter than h; products are therefore taken on a finer
+grid, free of aliasing. The Nyquist waves stay at order 0. A profile is a map of one row.
 
 Points inside have labels (x, y, z), their places in the flat body; u'' takes them to the stress-free rough one. The
 field of each order is continued from the label to that place, a Taylor series in u''. Of a layered body the field of
@@ -49,10 +49,10 @@ _PLANE = ("stress1", "stress6", "stress2")  # stresses that a state tells by Hoo
 
 @dataclass(frozen=True)
 class Response:
-    """What the topography adds to the displacement of a flat body's surface, normal `[(y,) x]` and along it.
+    """Displacement that the topography adds to that of a flat body, normal `[(y,) x]` and along the surface.
 
-    `along` `[component, (y,) x]` is None where it is not followed. `highest_order` is the largest part of all these
-    that is of the highest order.
+    `along` `[component, (y,) x]` is None if it is not followed. `highest_order` is the largest displacement of the
+    highest order alone.
     """
 
     u3: Reals
@@ -111,12 +111,12 @@ def formed_at(
     """Displacements u'' `[component, z, node]` of these names on a section, as `Inside.section` has them."""
     former = forming(body, order)
     # labels below the body that was formed are places
-    return Inside((formed_surface(heights, former),), former).section(np.maximum(z, former.base), names, across, at)
+    return Inside((formed_surface(heights, former),), former).section(np.maximum(z, former.base_z), names, across, at)
 
 
 @dataclass(frozen=True)
 class RoughSurface:
-    """Surface of the flat body that a rough one is continued from: under its load, what each order from 1 on adds.
+    """Surface of the flat body from which the rough one is continued, under its load, and the parts of further orders.
 
     `formed` is the surface as the topography was formed.
     """
@@ -170,7 +170,7 @@ def _added(
     """What the orders from 1 on add to named fields, coefficients `[field, k_y, k_x]` on a grid of a shape."""
     order, planes = len(surface.orders), _Planes.of(shape, body.material(depth))
     fine, former = _finer(shape, order), forming(body, order)
-    formed = _spectra(surface.formed, min(depth, -former.base), former, DISPLACEMENTS, shape)
+    formed = _spectra(surface.formed, min(depth, -former.base_z), former, DISPLACEMENTS, shape)
     u1, u2, u3 = (_on_finer_grid(each, fine) for each in formed)
     states = [_spectra(each, depth, body, _STATE, shape) for each in (surface.flat, *surface.orders)]
     changing = [planes.derivatives_in_z(state, order - n) for n, state in enumerate(states)]

@@ -48,11 +48,11 @@ class SlabTransform:
         self._along_y = pyfftw.FFTW(self._block, self._block, **here)
         self._back_along_y = pyfftw.FFTW(self._block, self._block, **here, **back)
 
-    def stiffen(self, values: Reals) -> None:
+    def apply_stiffness(self, values: Reals) -> None:
         """Replace the displacement of the slab `[row, x]` by the traction that restores it."""
         self._multiply(values, divide=False)
 
-    def soften(self, values: Reals) -> None:
+    def apply_compliance(self, values: Reals) -> None:
         """Replace the pressure of the slab `[row, x]` by the displacement that it causes, but for the mean."""
         self._multiply(values, divide=True)
 

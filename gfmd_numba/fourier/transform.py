@@ -158,11 +158,11 @@ class Transform:
         kernels.multiply(self.spectrum, symbol, _FIRST)
         self.write(result)
 
-    def stiffen(self, stiffness: Reals) -> None:
+    def apply_stiffness(self, stiffness: Reals) -> None:
         """Replace the first displacement by the traction that restores it, in place; `stiffness` is of a map."""
         self._multiply(stiffness, divide=False, filled=False)
 
-    def soften(
+    def apply_compliance(
         self, stiffness: Reals, filled: bool = False, load: OnRows | None = None, read: OnRows | None = None
     ) -> None:
         """Replace the first pressure by the displacement that it causes, in place; 0 at stiffness 0 or infinity.

@@ -22,9 +22,10 @@ class Interactions:
     """What keeps the surfaces apart or together; an absent effect is None.
 
     `friction` is Coulomb's coefficient, infinite for touching nodes that stick, None for a frictionless interface.
-    `hardness` bounds the pressure of the hard wall, `shear_limit` what friction holds, in g E*, which rises by
-    `shear_rise` times the pressure. Where friction depends on the slip rate or is a user's, `slip_rate` says what it
-    holds, and `friction` is the coefficient at rest. `laws` are the names of all that acts, as in the scene file.
+    `hardness` (g E*) is the largest pressure of the hard wall. The tangential traction is at most `shear_strength`
+    (g E*) plus `shear_rise` times the pressure. If friction depends on the slip rate or is a user's function,
+    `slip_rate` gives its limit, and `friction` is the coefficient at rest. `laws` are the names of all that acts, as in
+    the scene file.
     """
 
     hard_wall: bool
@@ -32,7 +33,7 @@ class Interactions:
     friction: float | None = None
     cohesive: XuNeedlemanLaw | None = None
     hardness: float | None = None
-    shear_limit: float | None = None
+    shear_strength: float | None = None
     shear_rise: float = 0.0
     slip_rate: SlipRateFriction | None = None
 
@@ -66,10 +67,10 @@ class Interactions:
         """The same in a step of a duration, which slip rates know."""
         return self if self.slip_rate is None else replace(self, slip_rate=self.slip_rate.lasting(duration))
 
-    def friction_bound(self, pressure: Reals, slip: Reals) -> Reals:
+    def friction_limit(self, pressure: Reals, slip: Reals) -> Reals:
         """Largest tangential traction by the pressure and the slip of a step."""
-        bound = self.conditions if self.slip_rate is None else self.slip_rate
-        return bound.friction_bound(pressure, slip)
+        limits = self.limits if self.slip_rate is None else self.slip_rate
+        return limits.friction_limit(pressure, slip)
 
     def patterned(self, pattern: Reals, padded: tuple[int, ...]) -> Self:
         """Interactions whose law of the gap has a pattern `[(y,) x]`, on the grid `padded` around it."""
@@ -100,10 +101,10 @@ class Interactions:
         return tuple(LAWS[name].ability for name in self.laws) + tuple(name for name, is_so in more.items() if is_so)
 
     @property
-    def conditions(self) -> kernels.Conditions:
-        """What holds at a node that touches."""
-        hardness, limit = (np.inf if each is None else each for each in (self.hardness, self.shear_limit))
-        return kernels.Conditions(hardness, self.friction or 0.0, limit, self.shear_rise)
+    def limits(self) -> kernels.ContactLimits:
+        """Limits of the tractions of a node that touches."""
+        hardness, limit = (np.inf if each is None else each for each in (self.hardness, self.shear_strength))
+        return kernels.ContactLimits(hardness, self.friction or 0.0, limit, self.shear_rise)
 
     @property
     def softening(self) -> float:

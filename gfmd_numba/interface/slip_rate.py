@@ -1,4 +1,4 @@
-"""Friction that depends on how fast a node slips, or holds what a function of the user says.
+"""Friction whose limit depends on the slip rate of a node, or is a function of the user.
 
 The coefficient at rest rises as that of velocity strengthening, a ln(1 + v / v0) (Bar-Sinai et al., Lubricants 7:91,
 2019): far above v0 it is the logarithm of rate and state laws, far below v0 constant, so that nodes may stick. Or it is
@@ -18,10 +18,10 @@ from gfmd_numba.text.input_error import InputError
 _SHORT = 1e-6  # relative difference of pressures and slip rates between which the slope of a function is taken
 
 
-class Hold(NamedTuple):
-    """What friction holds at nodes `[node]`, and its slopes by the pressure and by the slip."""
+class FrictionLimit(NamedTuple):
+    """Friction limit of nodes `[node]`, and its slopes by the pressure and by the slip."""
 
-    held: Reals
+    limit: Reals
     by_pressure: Reals
     by_slip: Reals
 
@@ -47,11 +47,11 @@ class UserFunction:
 
 @dataclass(frozen=True)
 class SlipRateFriction:
-    """The smaller one of a coefficient that depends on the slip rate times the pressure, and a limit.
+    """Friction with the limit min(c(v) p, shear_strength + shear_rise p) at the pressure p and the slip rate v.
 
-    The coefficient at rest is `friction`. `rates` and `coefficients` are a table that begins at rest; without one the
-    coefficient rises by `strengthening` times ln(1 + v / reference). `limit` rises by `rise` times the pressure, or is
-    a function. A step takes `duration`. Stresses in g E*, rates in g L_x per unit of time, which is the longest
+    The coefficient c is `friction` at rest. It follows the table of `rates` and `coefficients`, which begins at rest,
+    or without a table c = friction + strengthening ln(1 + v / reference). A function of the user may stand for the
+    second limit. A step takes `duration`. Stresses in g E*, rates in g L_x per unit of time, which is the longest
     relaxation time, or 1 s without one.
     """
 
@@ -60,35 +60,35 @@ class SlipRateFriction:
     reference: float = 1.0
     rates: tuple[float, ...] = ()
     coefficients: tuple[float, ...] = ()
-    limit: float | UserFunction = np.inf
-    rise: float = 0.0
+    shear_strength: float | UserFunction = np.inf
+    shear_rise: float = 0.0
     duration: float = 0.0
 
     def lasting(self, duration: float) -> Self:
         """The same in a step of a duration."""
         return replace(self, duration=duration)
 
-    def friction_bound(self, pressure: Reals, slip: Reals) -> Reals:
+    def friction_limit(self, pressure: Reals, slip: Reals) -> Reals:
         """Largest tangential traction `[node]` by pressure and slip; 0 where the pressure is not positive."""
-        return self.hold(pressure, slip).held
+        return self.limit_and_slopes(pressure, slip).limit
 
     def linearised(self, pressure: Reals, slip: Reals) -> tuple[Reals, Reals, Reals]:
-        """Constant part, part per pressure and part per further slip of what is held `[node]` near pressure and slip.
+        """Constant part, part per pressure and part per further slip of the limit `[node]` near pressure and slip.
 
-        What falls with the slip counts as constant, which keeps the problem of a guess positive.
+        A limit that falls with the slip counts as constant in it, which keeps the problem of a guess positive.
         """
-        held, by_pressure, by_slip = self.hold(pressure, slip)
-        return held - by_pressure * np.maximum(pressure, 0.0), by_pressure, np.maximum(by_slip, 0.0)
+        limit, by_pressure, by_slip = self.limit_and_slopes(pressure, slip)
+        return limit - by_pressure * np.maximum(pressure, 0.0), by_pressure, np.maximum(by_slip, 0.0)
 
-    def hold(self, pressure: Reals, slip: Reals) -> Hold:
-        """What is held `[node]` by pressure and slip, and its slopes."""
+    def limit_and_slopes(self, pressure: Reals, slip: Reals) -> FrictionLimit:
+        """Friction limit `[node]` by pressure and slip, and its slopes."""
         pressure, rate = np.maximum(pressure, 0.0), slip / self.duration
         coefficient, by_rate = self._coefficient(rate)
-        limit, rise, limit_by_pressure, limit_by_rate = self._limit(pressure, rate)
-        held = kernels.friction_bound(pressure, coefficient, limit, rise)
-        limited = coefficient * pressure > held
-        by_rate = np.where(limited, limit_by_rate, by_rate * pressure)
-        return Hold(held, np.where(limited, limit_by_pressure, coefficient), by_rate / self.duration)
+        strength, rise, strength_by_pressure, strength_by_rate = self._strength(pressure, rate)
+        limit = kernels.friction_limit(pressure, coefficient, strength, rise)
+        limited = coefficient * pressure > limit
+        by_rate = np.where(limited, strength_by_rate, by_rate * pressure)
+        return FrictionLimit(limit, np.where(limited, strength_by_pressure, coefficient), by_rate / self.duration)
 
     def _coefficient(self, rate: Reals) -> tuple[Reals, Reals]:
         """Coefficient at a slip rate, and its slope."""
@@ -99,15 +99,15 @@ class SlipRateFriction:
         rises = self.strengthening * np.log1p(rate / self.reference)
         return self.friction + rises, self.strengthening / (self.reference + rate)
 
-    def _limit(self, pressure: Reals, rate: Reals) -> tuple[Reals | float, float, Reals | float, Reals | float]:
-        """Limit by pressure and slip rate, what `rise` it has besides, and the slopes of both by pressure and rate."""
-        if not isinstance(self.limit, UserFunction):
-            return self.limit, self.rise, self.rise, 0.0
-        found, slopes = self.limit(pressure, rate), []
+    def _strength(self, pressure: Reals, rate: Reals) -> tuple[Reals | float, float, Reals | float, Reals | float]:
+        """Shear strength, the rise it has besides, and its slopes by pressure and slip rate, with the rise."""
+        if not isinstance(self.shear_strength, UserFunction):
+            return self.shear_strength, self.shear_rise, self.shear_rise, 0.0
+        found, slopes = self.shear_strength(pressure, rate), []
         for i, values in enumerate((pressure, rate)):
             least = _SHORT * float(values.max(initial=0.0)) or _SHORT
             short = np.maximum(_SHORT * values, least)
             moved = [pressure, rate]
             moved[i] = values + short
-            slopes.append((self.limit(*moved) - found) / short)
+            slopes.append((self.shear_strength(*moved) - found) / short)
         return found, 0.0, slopes[0], slopes[1]

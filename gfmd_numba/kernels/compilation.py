@@ -29,10 +29,10 @@ def jit(function: Callable[..., Any]) -> Any:
 
 
 class _OnDisk:
-    """What numba asks of a cache: the code of one kernel, for each signature.
+    """Cache of the code of one kernel, for each signature, with the methods that numba calls.
 
-    numba's own unpickles its files, which run whatever code they hold, without asking who wrote them or whether they
-    are whole.
+    The cache of numba unpickles its files, which may run any code, without a check of who wrote them and whether they
+    are complete.
     """
 
     def __init__(self, kernel: str) -> None:

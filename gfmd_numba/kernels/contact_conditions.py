@@ -8,64 +8,64 @@ from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.kernels.compilation import jit
 
 
-def friction_bound(pressure: Any, friction: Any, limit: Any, rise: Any) -> Any:
-    """Largest tangential traction under a positive pressure, of a node or of an array of nodes.
+def friction_limit(pressure: Any, friction: Any, shear_strength: Any, shear_rise: Any) -> Any:
+    """Largest tangential traction of a node, or of an array of nodes, under a positive pressure p.
 
-    That is `friction` times the pressure, as Coulomb says, but at most a `limit` that may have a `rise` with pressure.
+    min(friction p, shear_strength + shear_rise p)
     """
-    return np.minimum(friction * pressure, limit + rise * pressure)
+    return np.minimum(friction * pressure, shear_strength + shear_rise * pressure)
 
 
-class Conditions(NamedTuple):
-    """What holds at a node that touches: its pressure is at most `hardness`, its `friction` holds that times pressure.
+class ContactLimits(NamedTuple):
+    """Limits of the tractions of a node that touches: 0 <= p <= `hardness`, and |t| <= `friction_limit` of p.
 
-    Without a hardness that is infinite; without friction that is 0, and no node bears a tangential traction. None
-    bears more than the `limit`, which may have a `rise` with the pressure. Where friction depends on more, `bounds`
-    `[realisation, node]` is what it holds; empty otherwise.
+    Here p is the pressure and t the tangential traction. An absent hardness is infinite, and absent friction is 0. If
+    friction depends on more than p, as on the slip rate, `friction_limits` `[realisation, node]` are its limits; empty
+    otherwise.
     """
 
     hardness: float = np.inf
     friction: float = 0.0
-    limit: float = np.inf
-    rise: float = 0.0
-    bounds: Reals = np.empty((0, 0))
+    shear_strength: float = np.inf
+    shear_rise: float = 0.0
+    friction_limits: Reals = np.empty((0, 0))
 
-    def friction_bound(self, pressure: Reals, slip: Reals | None = None) -> Reals:
+    def friction_limit(self, pressure: Reals, slip: Reals | None = None) -> Reals:
         """Largest tangential traction under a pressure; 0 where that is not positive, even if friction is infinite.
 
         The `slip` is for friction that depends on it, like `interface/slip_rate.py`.
         """
-        bound, bears = np.zeros_like(pressure), pressure > 0.0
-        bound[bears] = friction_bound(pressure[bears], self.friction, self.limit, self.rise)
-        return bound
+        limit, bears = np.zeros_like(pressure), pressure > 0.0
+        limit[bears] = friction_limit(pressure[bears], self.friction, self.shear_strength, self.shear_rise)
+        return limit
 
     def linearised(self, pressure: Reals, slip: Reals) -> tuple[Reals | None, Reals, None]:
-        """Constant part and part per pressure `[node]` of what is held near a pressure; None is no such part."""
-        limited = (self.friction - self.rise) * pressure > self.limit
-        constant = np.where(limited, self.limit, 0.0) if limited.any() else None
-        return constant, np.where(limited, self.rise, self.friction), None
+        """Constant part and part per pressure `[node]` of the friction limit near a pressure; None is no such part."""
+        limited = (self.friction - self.shear_rise) * pressure > self.shear_strength
+        constant = np.where(limited, self.shear_strength, 0.0) if limited.any() else None
+        return constant, np.where(limited, self.shear_rise, self.friction), None
 
 
-_compiled_bound = jit(friction_bound)
+_compiled_limit = jit(friction_limit)
 
 
 @jit
-def bound_of_node(pressure: float, conditions: Conditions) -> float:
+def friction_limit_of_node(pressure: float, limits: ContactLimits) -> float:
     """Largest tangential traction of a node under a positive pressure."""
-    bound: float = _compiled_bound(pressure, conditions.friction, conditions.limit, conditions.rise)
-    return bound
+    limit: float = _compiled_limit(pressure, limits.friction, limits.shear_strength, limits.shear_rise)
+    return limit
 
 
 class SurfaceState(NamedTuple):
-    """Displacements `u` of a batch `[realisation, component, x]`, the tractions `ku` that restore them, and what acts.
+    """Displacements `u` of a batch `[realisation, component, x]`, the `restoring` tractions K u, and what acts.
 
     The normal component comes last, after tangential ones along x and on maps along y. Normal displacements may not
     pass the `wall` `[realisation, x]`; the `load` `[realisation]` is the mean pressure. A node slips from its `anchor`,
-    which has tangential components alone.
+    which has tangential components alone. Kernels unpack the restoring tractions as `ku`.
     """
 
     u: Reals
-    ku: Reals
+    restoring: Reals
     wall: Reals
     load: Reals
     anchor: Reals
@@ -89,7 +89,7 @@ def allowed_pressure(traction: float, u: float, wall: float, hardness: float) ->
 
 @jit
 def wall_violation(
-    state: SurfaceState, conditions: Conditions, active: Indices, n: int, worst: Reals, peak: Reals, imbalance: Reals
+    state: SurfaceState, limits: ContactLimits, active: Indices, n: int, worst: Reals, peak: Reals, imbalance: Reals
 ) -> None:
     """Largest violation of a contact condition, largest pressure, and mean normal traction that nothing balances.
 
@@ -105,28 +105,28 @@ def wall_violation(
         for j in range(n):
             traction = load[i] - ku[i, normal, j]
             total += traction
-            pressure = allowed_pressure(traction, u[i, normal, j], wall[i, j], conditions.hardness)
+            pressure = allowed_pressure(traction, u[i, normal, j], wall[i, j], limits.hardness)
             carried += pressure
             highest = max(highest, pressure)
             largest = max(largest, abs(traction - pressure))
         imbalance[i] = abs(total - carried) / n
         if normal > 0:
-            sideways, total_sideways = tangential_violation(state, conditions, i, n)
+            sideways, total_sideways = tangential_violation(state, limits, i, n)
             largest, total = max(largest, sideways), total + total_sideways
         worst[i] = largest if np.isfinite(total) else np.nan
         peak[i] = highest
 
 
 @jit
-def tangential_violation(state: SurfaceState, conditions: Conditions, i: int, n: int) -> tuple[float, float]:
+def tangential_violation(state: SurfaceState, limits: ContactLimits, i: int, n: int) -> tuple[float, float]:
     """Largest tangential traction of a row that friction does not balance, and the sum of all.
 
-    Free nodes bear none, sticking nodes at most what friction holds, sliding ones exactly that against the way they
-    have slid. Under an infinite friction a node that slid has left its anchor, and bears nothing.
+    Free nodes bear none, sticking nodes at most the friction limit, and slipping nodes exactly the limit, against their
+    slip since the anchor. Under infinite friction a node that has slipped has left its anchor, and bears nothing.
     """
     u, ku, wall, load, anchor = state
     normal = u.shape[1] - 1
-    friction = conditions.friction
+    friction = limits.friction
     largest = 0.0
     total = 0.0
     for j in range(n):
@@ -137,18 +137,19 @@ def tangential_violation(state: SurfaceState, conditions: Conditions, i: int, n:
             way += (u[i, c, j] - anchor[i, c, j]) ** 2
         violation, slid = np.sqrt(traction), np.sqrt(way)
         pressure = load[i] - ku[i, normal, j]
-        held = conditions.bounds[i, j] if conditions.bounds.size > 0 else bound_of_node(pressure, conditions)
+        known = limits.friction_limits
+        limit = known[i, j] if known.size > 0 else friction_limit_of_node(pressure, limits)
         if friction > 0.0 and u[i, normal, j] >= wall[i, j] and pressure > 0.0:
             if slid > 0.0 and np.isinf(friction):
                 violation = max(violation, pressure)
             elif slid > 0.0:
                 traction = 0.0
                 for c in range(normal):
-                    against = held * ((u[i, c, j] - anchor[i, c, j]) / slid)
+                    against = limit * ((u[i, c, j] - anchor[i, c, j]) / slid)
                     traction += (ku[i, c, j] + against) ** 2
                 violation = np.sqrt(traction)
             else:
-                violation = max(violation - held, 0.0)
+                violation = max(violation - limit, 0.0)
         largest = max(largest, violation)
     return largest, total
 

@@ -50,7 +50,7 @@ def read(splines: Reals, ways: Reals, found: Reals) -> None:
 
 @jit
 def hand_back(forces: Reals, ways: Reals, found: Reals) -> None:
-    """Add to the coefficients `[y, x]` of splines what forces on the displaced nodes are to them."""
+    """Add forces on the displaced nodes to the coefficients `[y, x]` of splines: the transpose of `read`."""
     ny, nx = found.shape
     along_x, along_y = np.empty(6), np.empty(6)
     for j in range(ny):

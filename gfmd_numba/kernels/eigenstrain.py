@@ -21,8 +21,9 @@ _Five = tuple[complex, complex, complex, complex, complex]
 class Waves(NamedTuple):
     """Wave numbers `[wave]`, cosine and sine of their directions `[wave]`, and thicknesses `[sublayer]` below them.
 
-    Waves of a negative number are left out. Of the material there are Poisson's ratio and the shear modulus (E*). What
-    fades downwards as exp(-s) is a `decay` `[sublayer, wave]` of it behind a sublayer, and a `mean` of it within.
+    Waves of a negative number are left out. The material has a Poisson's ratio and a shear modulus (E*). A wave that
+    fades downwards as exp(-s) has fallen by the factor `decay` `[sublayer, wave]` behind a sublayer, and by the factor
+    `mean` on average within it.
     """
 
     q: Reals
@@ -56,7 +57,7 @@ def _turned(tau: Complexes, j: int, w: int, c: float, s: float) -> _Five:
 
 @jit
 def _sources(turned: _Five, nu: float, mu: float, way: float) -> _Three:
-    """What a stress of eigenstrain adds to the waves that fade downwards (1), or upwards (-1), per s."""
+    """Source of the waves that fade downwards (1), or upwards (-1), by a stress of eigenstrain, per s."""
     t11, t33, t13, t12, t23 = turned
     # 1 / C_11, in 1 / E*
     uniaxial, kolosov, weight = (1.0 - 2.0 * nu) / (1.0 - nu) ** 2, 3.0 - 4.0 * nu, 0.25 / (1.0 - nu) ** 2
@@ -79,7 +80,7 @@ def waves_upwards(tau: Complexes, waves: Waves, found: Complexes, surface: Compl
     """Fill the first three components of `found` `[component, sublayer, wave]` with the means of b_1, b_2 and b_3.
 
     `tau` is the stress 2 mu times the eigenstrain `[component, sublayer, wave]`, of xx, zz, xz and on maps xy and yz;
-    yy keeps the volume. `surface` `[3, wave]` becomes what arrives at the surface.
+    yy keeps the volume. `surface` `[3, wave]` becomes the waves that arrive at the surface.
     """
     nu, mu = waves.poissons_ratio, waves.shear
     surface[:] = 0.0
@@ -98,9 +99,9 @@ def waves_upwards(tau: Complexes, waves: Waves, found: Complexes, surface: Compl
 
 @jit
 def reflect(surface: Complexes, waves: Waves, out: Complexes) -> None:
-    """Turn what arrives at a free surface `[3, wave]` into what that sends down.
+    """Turn the waves that arrive at a free surface `[3, wave]` into the waves that it reflects downwards.
 
-    `out` `[wave]` becomes how far the surface moves out of the body; 0 in the mean.
+    `out` `[wave]` becomes the displacement of the surface out of the body; 0 in the mean.
     """
     nu = waves.poissons_ratio
     kolosov, half = 3.0 - 4.0 * nu, 1.0 - 2.0 * nu  # half of kolosov - 1
@@ -118,8 +119,8 @@ def reflect(surface: Complexes, waves: Waves, out: Complexes) -> None:
 def strains(tau: Complexes, pressure: Complexes, waves: Waves, found: Complexes, surface: Complexes) -> None:
     """Turn the means of `waves_upwards` into deviatoric strains along x to z, under a pressure `[wave]`.
 
-    `surface` `[3, wave]` is what a free surface sends down, and is overwritten. A component of `found` beyond those of
-    `tau` becomes the stress zz.
+    `surface` `[3, wave]` are the waves that a free surface reflects downwards, and is overwritten. A component of
+    `found` beyond those of `tau` becomes the stress zz.
     """
     nu, mu, n = waves.poissons_ratio, waves.shear, tau.shape[0]
     # 1 / C_11, in 1 / E*

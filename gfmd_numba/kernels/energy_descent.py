@@ -1,7 +1,7 @@
 """Compiled parts of a truncated Newton step on the energy of a displacement that a wall bounds.
 
-All work on the unknowns of one row, each of which has a load of its own. Held ones are those that the wall keeps
-from moving on; their `weight` is 0.
+All work on the unknowns of one row, each with a load of its own. Unknowns that the wall keeps from moving are held;
+their `weight` is 0.
 """
 
 from typing import NamedTuple
@@ -11,7 +11,7 @@ from gfmd_numba.kernels.compilation import jit
 
 
 class Unknowns(NamedTuple):
-    """Displacements `u` of one row, the tractions `ku` that restore them, what they may not pass, and their loads."""
+    """Displacements `u` of one row, their restoring tractions `ku`, the walls that stop them, and their loads."""
 
     u: Reals
     ku: Reals
@@ -20,9 +20,9 @@ class Unknowns(NamedTuple):
 
 
 class Descent(NamedTuple):
-    """Direction `d` of a Newton step so far, the traction `kd` of the body that restores it, and what is left.
+    """Direction `d` of a Newton step so far, its restoring traction `kd` of the body, and the residual.
 
-    That is the unbalanced traction `r` of the nodes that may move.
+    The residual is the unbalanced traction `r` of the nodes that may move.
     """
 
     d: Reals
@@ -63,7 +63,7 @@ def descent_direction(compliant: Reals, keep: float, p: Reals, source: Reals) ->
 
 @jit
 def descent_curvature(p: Reals, kp: Reals, curvature: Reals, pulled: Reals) -> tuple[float, float]:
-    """Second derivative of the energy along p, and the share of the body, whose restoring traction is kp.
+    """Second derivative of the energy along p, and the part of the body, whose restoring traction is kp.
 
     Fills the traction with which the law restores p, of each displacement alone.
     """
@@ -77,7 +77,7 @@ def descent_curvature(p: Reals, kp: Reals, curvature: Reals, pulled: Reals) -> t
 
 @jit
 def descent_update(p: Reals, kp: Reals, pulled: Reals, weight: Reals, step: float, descent: Descent) -> float:
-    """Go a step along p, in the direction of the Newton step and in what it leaves unbalanced; the largest of that."""
+    """Go a step along p: update the direction of the Newton step and the residual; return the largest residual."""
     d, kd, r = descent
     largest = 0.0
     for j in range(p.size):

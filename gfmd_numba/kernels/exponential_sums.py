@@ -278,7 +278,7 @@ def candidates(
 ) -> tuple[int, float]:
     """List the candidates under the pressure p whose displacement is sp; their number, and the approach.
 
-    They are the nodes with pressure and those less open than these are, at most, from being closed.
+    Candidates are the nodes with pressure, and the nodes whose gap is below the largest gap on these.
     """
     count = 0
     first, beyond = 0.0, 0.0  # gaps almost alike are added up as differences: a sum of a million would lose digits
@@ -342,7 +342,7 @@ _ITERATIONS = 60  # of conjugate gradients for each
 
 
 class Task(NamedTuple):
-    """What is asked of a contact on `n` nodes: a mean pressure `load` if it is given (`free_mean`), and how exactly.
+    """Problem of a contact on `n` nodes: its mean pressure `load` if prescribed (`free_mean`), and the tolerances.
 
     The relative error is at most `target`, or `share` of the relative change that the first contact asks for if that is
     larger. Gaps within `rounding` are closed. Nodes `wider` open than others may join, none if that is 0.
@@ -372,8 +372,8 @@ class Lists(NamedTuple):
 class Values(NamedTuple):
     """Pressures `new` and `old` of the candidates, the gap `opened` by the old one and `gap`; values over the contact.
 
-    There `r` is the displacement that closes the gap, `z` the change of pressure, `uniform` that of a uniform
-    displacement, `t` the direction and `st` its displacement.
+    Over the contact, `r` is the displacement that closes the gap, `z` the change of pressure, `uniform` the pressure of
+    a uniform displacement, `t` the direction and `st` its displacement.
     """
 
     new: Reals
@@ -407,7 +407,7 @@ def decay_contact(p: Reals, sp: Reals, wall: Reals, asked: Task, grid: DecayLeve
     rounds at the last tolerance. Returns the largest change of the pressure over the largest pressure, infinite if the
     contact did not settle, and the number of nodes in contact.
 
-    The records may come as plain tuples: a compiled function takes these in a third of the time.
+    The records may be plain tuples, which a compiled function takes in a third of the time.
     """
     fine, coarse, factors, lists, values = grid
     level = DecayLevel(DecaySum(*fine), Decays(*coarse), Factors(*factors), Lists(*lists), Values(*values))

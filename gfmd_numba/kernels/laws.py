@@ -22,7 +22,7 @@ def xu_needleman_pull(
 
     `sliding` `[component, x]` is how far the punch has moved over each of the n nodes: in x, and on maps in y.
     """
-    u, ku, along = state.u, state.ku, sliding.shape[0]
+    u, ku, along = state.u, state.restoring, sliding.shape[0]
     for i in active:
         for j in range(n):
             gap = (punch[i, j] - u[i, along, j]) / normal

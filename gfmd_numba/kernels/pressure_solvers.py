@@ -2,8 +2,8 @@
 
 An active-set Newton step works on one row: arrays are `[x]`, those over the nodes in contact hold `count` values.
 
-Under a hardness plastic nodes carry exactly that, open ones nothing, and free ones a pressure between. A plastic node
-may penetrate.
+Under a hardness, plastic nodes carry exactly the hardness, open nodes nothing, and free nodes a pressure in between. A
+plastic node may penetrate.
 
 A constrained conjugate gradient iteration (Polonsky & Keer, Wear 231:206, 1999) works on a batch. A row has a list of
 its free nodes, so that only the gap is computed node by node; elsewhere the direction is zero. `search`
@@ -93,7 +93,7 @@ def newton_change(
 ) -> tuple[float, float, float, float, float, float]:
     """Take a share of a `uniform` displacement's pressure off the change z of the pressure on some nodes; its sizes.
 
-    They are its energy r z, the largest of its sizes, of those of the pressure and of r, and the sums of the first two.
+    The sizes are its energy r z, the largest |z|, |pressure| and |r|, and the sums of |z| and |pressure|.
     """
     energy = 0.0
     largest = 0.0
@@ -192,8 +192,8 @@ def change_few(
 ) -> tuple[float, float]:
     """Energy r z of a change z of the pressure, and its size as in `newton_error`.
 
-    Under a prescribed load z first loses what changes the load, by means of the pressure that a `uniform`
-    displacement takes.
+    Under a prescribed load a multiple of the pressure of a `uniform` displacement is subtracted from z first, so that z
+    does not change the load.
     """
     share = 0.0
     if free_mean:
@@ -235,7 +235,7 @@ def add_displacement(gap: Reals, st: Reals, step: float) -> None:
 def revise_contact(p: Reals, gap: Reals, contact: Flags, approach: float, rounding: float) -> tuple[int, float]:
     """Take the approach off the gap; nodes under tension leave the contact and lose it, nodes that overlap join.
 
-    Return how many did, and the sum of the pressures.
+    Return how many nodes changed sides, and the sum of the pressures.
     """
     changed = 0
     total = 0.0
@@ -411,7 +411,7 @@ def line_search(p: Reals, gap: Reals, last_p: Reals, last_gap: Reals, n: int) ->
 
 
 @jit
-def room(p: float, last_p: float, hardness: float) -> float:
+def part_to_bound(p: float, last_p: float, hardness: float) -> float:
     """Share of the way from the last pressure to p that stays between the bounds."""
     if p < 0.0:
         return last_p / (last_p - p)
@@ -429,13 +429,13 @@ def stop_at_first_bound(p: Reals, last_p: Reals, contact: Flags, hardness: float
     first = 1.0
     for j in range(n):
         if contact[j]:
-            first = min(first, room(p[j], last_p[j], hardness))
+            first = min(first, part_to_bound(p[j], last_p[j], hardness))
     if first == 1.0:
         return 0
     stopped = 0
     for j in range(n):
         if contact[j]:
-            if room(p[j], last_p[j], hardness) == first:
+            if part_to_bound(p[j], last_p[j], hardness) == first:
                 p[j] = 0.0 if p[j] < 0.0 else hardness
                 contact[j] = False
                 stopped += 1
@@ -554,9 +554,9 @@ def cg_direction(
 ) -> None:
     """Conjugate direction on the free nodes (Polonsky & Keer 1999, eq. 7); elsewhere t stays zero.
 
-    Nodes that left or joined the contact spoil the old direction in two ways. Under a prescribed load it may now
-    change the load, which rescaling the pressure would undo: it loses its mean. And it may lead uphill: it is
-    then dropped. Gaps within `rounding` of closed point nowhere: the direction is then zero.
+    Nodes that left or joined the contact spoil the old direction in two ways. Under a prescribed load the direction may
+    now change the load, which rescaling the pressure would undo: its mean is subtracted. And the direction may lead
+    uphill: it is then dropped. If all gaps are within `rounding` of closed, the direction is zero.
     """
     norm, keep = search[0], search[2]
     for i in active:

@@ -113,7 +113,7 @@ def put_columns(block: Complexes, first: int, waves: Complexes, rows: int) -> No
 def restoring_power(columns: Complexes, stiffness: Reals, first: int) -> float:
     """Sum of the squares of K times the transform `[x, y]` of a real map, for its columns from the `first` on.
 
-    Each counts as often as in a sum over all waves; the mean does not.
+    Each column counts as often as in a sum over all waves; the mean does not count.
     """
     nyquist = stiffness.shape[1] - 1
     total = 0.0

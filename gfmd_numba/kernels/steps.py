@@ -4,7 +4,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.kernels.compilation import jit
-from gfmd_numba.kernels.contact_conditions import Conditions, SurfaceState, bound_of_node
+from gfmd_numba.kernels.contact_conditions import ContactLimits, SurfaceState, friction_limit_of_node
 
 
 @jit
@@ -27,13 +27,17 @@ def verlet_step(state: SurfaceState, u_old: Reals, active: Indices, n: int, memo
 
 @jit
 def friction_step(
-    state: SurfaceState, u_old: Reals, conditions: Conditions, active: Indices, n: int, push: float
+    state: SurfaceState, u_old: Reals, limits: ContactLimits, active: Indices, n: int, push: float
 ) -> None:
     """Hold touching nodes by Coulomb friction after a Verlet step from `u_old` (an infinite one sticks).
 
-    Friction acts against the way slid from the `anchor`; a node that an infinite one has pulled off sticks where it
-    touches down again. Its step is a proximal one without inertia, by half the push of a free node, which is stable for
-    every mode: within what friction can hold of the anchor the node sticks to it, beyond it is drawn back by as much.
+    Friction acts against the slip s from the `anchor`. The step is a proximal one without inertia, by half the push of
+    a free node, which is stable for every mode: with the trial slip s' = s - push/2 ku and the friction limit f,
+
+        s <- (1 - min(1, (push/2) f / |s'|)) s',
+
+    so that a node sticks to its anchor if |s'| <= (push/2) f. A node that infinite friction has pulled off sticks where
+    it touches down again.
     """
     u, ku, wall, load, anchor = state
     normal = u.shape[1] - 1
@@ -41,15 +45,15 @@ def friction_step(
         for j in range(n):
             pressure = load[i] - ku[i, normal, j]
             if not (u_old[i, normal, j] >= wall[i, j] and pressure > 0.0):
-                if np.isinf(conditions.friction):
+                if np.isinf(limits.friction):
                     for c in range(normal):
                         anchor[i, c, j] = u_old[i, c, j]
                 continue
             square = 0.0
             for c in range(normal):
                 square += (u_old[i, c, j] - 0.5 * push * ku[i, c, j] - anchor[i, c, j]) ** 2
-            slid, held = np.sqrt(square), 0.5 * push * bound_of_node(pressure, conditions)
-            left = 1.0 - held / slid if slid > held else 0.0  # part of the way that friction cannot hold
+            slid, limit = np.sqrt(square), 0.5 * push * friction_limit_of_node(pressure, limits)
+            left = 1.0 - limit / slid if slid > limit else 0.0  # part of the slip that friction cannot prevent
             for c in range(normal):
                 pulled = u_old[i, c, j] - 0.5 * push * ku[i, c, j] - anchor[i, c, j]
                 u[i, c, j] = anchor[i, c, j] + left * pulled

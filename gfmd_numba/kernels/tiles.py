@@ -57,8 +57,7 @@ def convolve_loaded(
 ) -> None:
     """Fill the product on some tiles `[k, TILE, TILE]` with the convolution of what `list_loaded` has listed.
 
-    The kernel `[2 r + 1, 2 r + 1]`, r = (D + 1) TILE - 1, is even, and zero beyond its `reach` of nodes, at most D
-    tiles and the nodes of another but one.
+    The kernel `[2 r + 1, 2 r + 1]`, r = (D + 1) TILE - 1, is even, and zero beyond its `reach` <= r in nodes.
     """
     starts, nodes, loads = loaded
     down, across = tiles_each_way
@@ -188,8 +187,9 @@ def near_pressure(
 ) -> None:
     """Pressure on the listed nodes of some tiles, from the first to the last but one, by a stencil `[3, 3]`.
 
-    It is even along y and x. The displacement `u` `[m + 1, TILE, TILE]` is zero on all other nodes. Add up in blocks
-    what the `isolated` nodes resist. Of each of the `tiles` are given those around it, as in `surround`, and its block.
+    The stencil is even along y and x. The displacement `u` `[m + 1, TILE, TILE]` is zero on all other nodes. Add up in
+    blocks the displacements times `isolated`, the pressures of a uniform displacement. Of each of the `tiles` are given
+    those around it, as in `surround`, and its block.
     """
     around, blocks = tiles
     own, above, left, corner = stencil[1, 1], stencil[0, 1], stencil[1, 0], stencil[0, 0]
@@ -237,8 +237,8 @@ def put_nodes(values: Reals, nodes: Indices, image: Reals) -> None:
 
 
 @jit
-def soften_nodes(p: Reals, nodes: Indices, isolated: Reals, blocks: Indices, shared: Reals) -> None:
-    """Take the displacement that the block of a tile shares off the pressures, times what `isolated` nodes resist."""
+def subtract_far_pressure(p: Reals, nodes: Indices, isolated: Reals, blocks: Indices, shared: Reals) -> None:
+    """Subtract from pressures the displacement of their block, times the pressure of a uniform displacement."""
     for k in range(nodes.size):
         p[k] -= isolated[k] * shared[blocks[nodes[k] // TILE**2]]
 
@@ -376,7 +376,7 @@ def open_map(wall: Reals, displacement: Reals, approach: float, near: float, gap
 
 @jit
 def close_map(wall: Reals, gap: Reals, contact: Flags, tiles: Indices, rows: Reals) -> None:
-    """Make the gap the displacement that touches wherever there is contact or overlap, and `rows` what that adds to it.
+    """Turn the gap into the displacement that touches wherever there is contact or overlap; `rows` is the change du.
 
     `rows` may be more and longer than those of the map.
     """
@@ -399,9 +399,9 @@ def close_map(wall: Reals, gap: Reals, contact: Flags, tiles: Indices, rows: Rea
 
 @jit
 def restore_map(pressure: Reals, tiles: Indices, rows: Reals, mean: float, restoring: Reals) -> None:
-    """Fill what restores a displacement `[y, x]`: `mean` everywhere, less the pressure on the tiles.
+    """Fill the restoring tractions of a displacement `[y, x]`: `mean` everywhere, less the pressure on the tiles.
 
-    `rows`, which may be longer, hold what restores what `close_map` has added.
+    `rows`, which may be longer, hold the restoring tractions of the change du by `close_map`.
     """
     ny, nx = restoring.shape
     across = nx // TILE

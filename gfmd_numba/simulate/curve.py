@@ -24,7 +24,7 @@ from gfmd_numba.contact.contact_input import ContactInput, check_loads, check_ro
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.observables import OBSERVABLES, PRESCRIBED
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.scales import steps_of
+from gfmd_numba.contact.reduced_loads import steps_of
 from gfmd_numba.contact.state import Contact, Tell
 from gfmd_numba.contact.validity import FEW_NODES, NARROW_CONTACTS, input_warnings, path_warnings
 from gfmd_numba.scene import Document, InputError, Loading, Random, Scene, SceneFile, validate

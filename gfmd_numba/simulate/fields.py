@@ -184,7 +184,7 @@ def _checked(body: ElasticBody, length: float, given_z: npt.ArrayLike, name: str
         z = np.atleast_1d(np.asarray(given_z, dtype=np.float64))
     except (TypeError, ValueError):
         raise InputError.of(name, brief(given_z), "a number, or one row of numbers") from None
-    lowest = body.base * length
+    lowest = body.base_z * length
     outside = ~(np.isfinite(z) & (z <= 0.0) & (z >= lowest * (1.0 + 1e-12)))
     if z.ndim != 1 or z.size == 0 or outside.any():
         given = f"{z[outside][0]:g}" if z.ndim == 1 and z.size else f"an array of shape {z.shape}"

@@ -21,21 +21,20 @@ _FEW = 16  # nodes to and fro between their bounds: where more change sides, a s
 
 
 class ActiveSetNewton(PressureIterate):
-    """Pressure of a batch, found by guessing the contact: its nodes alone then pose a linear problem.
+    """Pressure of a batch, found by guessing the contact: the pressure of the guessed nodes solves a linear problem.
 
-    Nodes under tension leave, overlapping ones join. If displacing a node pulls its neighbours the same way, as on a
-    half-space, and each linear problem is solved exactly, the contact shrinks to that of equilibrium. These are
-    solved by conjugate gradients, ever more exactly. Preconditioned by an exponential sum on profiles (by the stiffness
-    itself where that cannot be used), they take some transforms whatever the grid; on maps, by near and far field, a
-    few more for each doubling of nx. The first guess comes from the waves that a coarser grid holds. The run ends when
-    the residual is at most `options.residual`, not when the contact stops changing: `certificate.py` measures it, the
-    largest violation of a contact condition over the largest pressure.
+    After each solution, nodes under tension leave the contact, and overlapping nodes join it. If displacing a node
+    pulls its neighbours the same way, as on a half-space, and each linear problem is solved exactly, the contact only
+    shrinks, to that of equilibrium. The linear problems are solved by conjugate gradients, ever more exactly,
+    preconditioned as `preconditioners.py` says. The number of transforms does not grow with a profile, and grows by a
+    few for each doubling of nx of a map. The first guess comes from the waves that a coarser grid holds. The run ends
+    when the residual of `certificate.py` is at most `options.residual`, not when the contact stops changing.
 
-    Under a hardness nodes are guessed to be at neither bound, and two bounds may send them to and fro. So a solution of
-    the linear problem is followed by a step of all nodes along what is violated, to the nearest pressure between the
-    bounds that carries the load (a projected gradient). A step that increases the energy is cut short where the energy
-    is least. Where few nodes change sides, one that does so from its start is replaced by one towards the solution of
-    the linear problem, as far as the first node reaches a bound.
+    Under a hardness, the pressure has two bounds, and the guess is the set of nodes at neither bound. Two bounds may
+    send nodes to and fro. So after the linear problem all nodes make a step of a projected gradient: along the violated
+    gaps, to the nearest pressures between the bounds that carry the load. A step that increases the energy is cut short
+    where the energy is least. If few nodes change sides and the step increases the energy from its start, it is
+    replaced by a step towards the solution of the linear problem, up to where the first node reaches a bound.
     """
 
     check_every = 1
@@ -127,8 +126,10 @@ class ActiveSetNewton(PressureIterate):
         """Find the pressure that closes the gap of a row on the nodes in contact; the problem that this was."""
         i, n, nodes, inverse, room = row[0], self.field.n, self._nodes[:count], self._inverse, self._room
         iterate = kernels.Iterate(*(each[:n] for each in self.rows[i]))
-        soften = partial(self.field.apply, self.compliance, row, source=1)
-        closing = Closing(iterate, nodes, inverse, soften, self._uniform, self.rounding[i], self.free_mean, room)
+        apply_compliance = partial(self.field.apply, self.compliance, row, source=1)
+        closing = Closing(
+            iterate, nodes, inverse, apply_compliance, self._uniform, self.rounding[i], self.free_mean, room
+        )
         if count == 0:
             return closing
         inverse.factor(nodes, count)

@@ -13,7 +13,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.solvers.dynamics import Verlet, position_verlet
 from gfmd_numba.solvers.products import Products
-from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.status import Status, certified
 from gfmd_numba.solvers.table import Options
 
 _CHECK_EVERY = 10  # iterations between two looks at the residual
@@ -40,9 +40,9 @@ class Deformed:
 def deform(response: SpectralResponse, traction: Reals, displacement: Reals, options: Options) -> Deformed:
     """Displace and load the surface of a body node by node `[component, (y,) x]`, tangential, then normal (L_x, E*).
 
-    `displacement` is not-a-number at free nodes, the others' `traction` is not read. The mean traction of a
-    component without any prescribed displacement must be 0 if its mean stiffness is 0; that of an incompressible
-    slab, which is infinite, makes the mean normal displacement 0 and asks for at least one free node.
+    `displacement` is not-a-number at free nodes; `traction` is read at free nodes alone. The mean traction of a
+    component without any prescribed displacement must be 0 if its mean stiffness is 0. The mean normal stiffness of an
+    incompressible slab is infinite: its mean normal displacement is 0, and it needs at least one free node.
     """
     started = time.perf_counter()
     problem = _BoundaryValueProblem(response, traction, displacement, options)
@@ -53,11 +53,10 @@ def deform(response: SpectralResponse, traction: Reals, displacement: Reals, opt
             problem.advance()
         iterations += steps
         residual = problem.residual()
-    status = Status.ok if residual <= options.residual else Status.steps_used_up
     return Deformed(
         displacement=problem.displacement.reshape(displacement.shape).copy(),
         traction=problem.traction.reshape(displacement.shape).copy(),
-        status=status if np.isfinite(residual) else Status.nonfinite,
+        status=Status(int(certified(residual, options.residual, Status.steps_used_up))),
         residual=residual,
         n_iterations=iterations,
         n_transforms=int(problem.field.n_transforms.sum()),
@@ -93,7 +92,7 @@ class _BoundaryValueProblem:
     def advance(self) -> None:
         """Make one time step of the free nodes."""
         self.traction -= self._prescribed
-        self._step.step(self._state, kernels.Conditions(), _ROW, self.field.n)
+        self._step.step(self._state, kernels.ContactLimits(), _ROW, self.field.n)
         np.copyto(self.displacement, self._held, where=~self._free)
         self._restore()
 

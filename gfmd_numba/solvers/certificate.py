@@ -4,9 +4,9 @@ A contact is `ok` once its residual is at most `numerics.residual`, by default 1
 
     violation / peak pressure,    |imbalance| / load,    and the drift,
 
-which `Certificate` explains. How a solver keeps bodies from penetrating is its own matter, and the certificate does not
-depend on it: Newton's methods choose the nodes that touch and solve for their pressures (`active_set_newton.py`), time
-steps clip displacements at the wall (`kernels/steps.py`).
+which `Certificate` explains. `status.py` lists the later checks that may withdraw `ok`. The certificate does not depend
+on how a solver keeps bodies from penetrating: Newton's methods choose the nodes that touch and solve for their
+pressures (`active_set_newton.py`), and time steps clip displacements at the wall (`kernels/steps.py`).
 """
 
 from dataclasses import dataclass
@@ -54,30 +54,30 @@ class RigidMean:
 
 
 class Certificate:
-    """Violations of the contact conditions in the rows last looked at, in E*, and what they are measured by.
+    """Violations of the contact conditions in E*, in the rows last looked at, and the scales of the `residual`.
 
     `violation`: traction on a free node, tension on a touching one, or a tangential traction that friction does not
     balance. Penetration counts as the traction that is left when the surface has been moved back to the wall. Under a
     hardness H, a touching node bears 0 <= p <= H and a penetrating one p = H; what differs from that is the violation.
     `peak`: the largest pressure of the wall. `imbalance`: the mean traction that nothing carries. With a `rigid_mean` a
     mean displacement is a violation too; `drift` is that over the largest displacement. (A uniform pressure deforms
-    nothing there: were it huge, it would make any other violation look small.) Where the state is that of a corner of
-    the grid alone, `mean_displacement` is that of the whole one. `bears` `[realisation]`: these rows of the state hold
-    the pressure itself, not the restoring traction.
-    `full_contact` `[realisation]` is the `pressure_scale`, where a solver has found it on its way.
+    nothing there: were it huge, it would make any other violation look small.) If the state has the nodes of a corner
+    of the grid alone, `mean_displacement` is the mean over the whole grid. `bears` `[realisation]`: these rows of the
+    state hold the pressure itself, not the restoring traction. `full_contact` `[realisation]` is the `pressure_scale`,
+    if a solver has found it on its way.
     """
 
     mean_displacement: Reals | None = None
     bears: Flags | None = None
     full_contact: Reals | None = None
 
-    def __init__(self, rows: int, conditions: kernels.Conditions, rigid_mean: RigidMean | None = None) -> None:
-        self.conditions, self.rigid_mean = conditions, rigid_mean
+    def __init__(self, rows: int, limits: kernels.ContactLimits, rigid_mean: RigidMean | None = None) -> None:
+        self.limits, self.rigid_mean = limits, rigid_mean
         self.violation, self.peak, self.imbalance, self.drift = self.found = np.zeros((4, rows))
 
     def look(self, state: kernels.SurfaceState, active: Indices, n: int, strongest: Reals | float = 0.0) -> Reals:
-        """Measure displacements that penetrate nowhere but under the hardness; their `residual`."""
-        kernels.wall_violation(state, self.conditions, active, n, self.violation, self.peak, self.imbalance)
+        """Measure the violations of a state, which may penetrate under a hardness alone; return its `residual`."""
+        kernels.wall_violation(state, self.limits, active, n, self.violation, self.peak, self.imbalance)
         if self.rigid_mean is not None:
             u = state.u[:, -1]
             self.violation[active] = np.maximum(self.violation[active], self.rigid_mean.violation(u, active, n))
@@ -93,8 +93,8 @@ class Certificate:
     def residual(self, load: Reals, active: Indices, strongest: Reals | float = 0.0) -> Reals:
         """Worst violation over the largest pressure, or if larger, imbalance over the load, or drift `[active]`.
 
-        Tractions of an interaction law may be far larger than the pressure: the `strongest` that acts anywhere
-        `[active]` is a floor to the latter. What is far beyond its range leaves nothing to balance.
+        Tractions of an interaction law may be far larger than the pressure: the `strongest` one `[active]` is the least
+        value of the peak pressure. Surfaces far beyond the range of a law have nothing to balance.
         """
         worst, peak = self.violation[active], np.maximum(self.peak[active], strongest)
         # nothing touches and nothing is violated: the surfaces are apart

@@ -16,7 +16,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.distributed import SlabTransform
 from gfmd_numba.solvers.certificate import Certificate
 from gfmd_numba.solvers.iteration import HARD_WALL
-from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.status import Status, certified
 from gfmd_numba.solvers.table import Options
 
 REACH = 2  # nodes each way whose tractions the preconditioner knows
@@ -124,7 +124,7 @@ class SlabNewton:
         u_flat, ku_flat, wall = (each.reshape(1, -1) for each in (u, self.pressed(), self.wall))
         kernels.close_gap(ku_flat, u_flat, wall, active, u.size, u_flat)
         ku[:] = u
-        self.field.stiffen(ku)
+        self.field.apply_stiffness(ku)
         state = kernels.SurfaceState.of_normal(u_flat, ku_flat, wall, np.array([self._load]))
         certificate.look(state, active, u.size)
         tractions = self._load - ku.mean(axis=1)
@@ -148,14 +148,14 @@ class SlabNewton:
     def _open(self) -> None:
         """Find the gap, up to the approach."""
         self._gap[:] = self.pressed()
-        self.field.soften(self._gap)
+        self.field.apply_compliance(self._gap)
         self._gap += self.wall
 
     def _displaced(self, pressure: Reals) -> Reals:
         """Displacement on the nodes in contact that a pressure there causes."""
         self._map.fill(0.0)
         self._map.reshape(-1)[self._nodes] = pressure
-        self.field.soften(self._map)
+        self.field.apply_compliance(self._map)
         return self._map.reshape(-1)[self._nodes]
 
     def _near(self, displacement: Reals, found: Reals) -> None:
@@ -220,17 +220,14 @@ def _without_mean(stiffness: Stiffness, q: Reals) -> Reals:
 def press_slab(slab: Slab, wall: Reals, stiffness: Stiffness, load: float, options: Options) -> SlabEquilibrium:
     """Press an elastic body against the rows `[row, x]` of a wall that this process has, as `equilibrate` does."""
     coarser = halvings(slab.bounds[-1], wall.shape[1], slab.communicator.size)
-    contact, certificate = SlabNewton(slab, wall, stiffness, load, coarser), Certificate(1, HARD_WALL.conditions)
+    contact, certificate = SlabNewton(slab, wall, stiffness, load, coarser), Certificate(1, HARD_WALL.limits)
     target, most, residual = _EXACT_ENOUGH * options.residual, options.max_iterations, np.inf
     for _ in range(_ATTEMPTS):
         contact.settle(target, most)
         residual, target = contact.violation(certificate), _EXACT_ENOUGH * target
         if residual <= options.residual or contact.iterations >= most:
             break
-    status = Status.steps_used_up if contact.iterations >= most else Status.stagnated
-    if residual <= options.residual:
-        status = Status.ok
-    elif np.isnan(residual):
-        status = Status.nonfinite
+    otherwise = Status.steps_used_up if contact.iterations >= most else Status.stagnated
+    status = Status(int(certified(residual, options.residual, otherwise)))
     made = contact.iterations, int(np.ceil(contact.n_transforms))
     return SlabEquilibrium(contact.displacement, contact.pressure, status, residual, *made)

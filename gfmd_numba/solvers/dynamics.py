@@ -75,11 +75,11 @@ class Verlet:
     def __init__(self, displacement: Reals, memory: float, push: float) -> None:
         self._last, self._memory, self._push = displacement.copy(), memory, push
 
-    def step(self, state: kernels.SurfaceState, conditions: kernels.Conditions, active: Indices, n: int) -> None:
+    def step(self, state: kernels.SurfaceState, limits: kernels.ContactLimits, active: Indices, n: int) -> None:
         """Make one step in the active rows."""
         kernels.verlet_step(state, self._last, active, n, self._memory, self._push)
-        if conditions.friction > 0.0:
-            kernels.friction_step(state, self._last, conditions, active, n, self._push)
+        if limits.friction > 0.0:
+            kernels.friction_step(state, self._last, limits, active, n, self._push)
 
 
 class Fire:
@@ -91,7 +91,7 @@ class Fire:
         self._dt, self._mixing = np.full(rows, 0.1 * longest), np.full(rows, 0.1)
         self._downhill = np.zeros(rows, dtype=np.int64)
 
-    def step(self, state: kernels.SurfaceState, conditions: kernels.Conditions, active: Indices, n: int) -> None:
+    def step(self, state: kernels.SurfaceState, limits: kernels.ContactLimits, active: Indices, n: int) -> None:
         """Make one step of the normal displacement in the active rows."""
         kernels.fire_step(state, self._velocity, self._dt, self._mixing, self._downhill, active, n, self._longest)
 
@@ -123,7 +123,7 @@ class Dynamics:
             sliding = np.broadcast_to(batch.sliding, (along, *shape)).reshape(along, n)
             self._sliding = np.ascontiguousarray(sliding)
         self.state = kernels.SurfaceState(u, self._products.restoring, wall, batch.loads, anchor)
-        self.certificate = Certificate(rows, interface.conditions)
+        self.certificate = Certificate(rows, interface.limits)
         self._integrator = integrator(u)
         self._restore(np.arange(rows))
 
@@ -134,7 +134,7 @@ class Dynamics:
 
     def advance(self, active: Indices) -> None:
         """Make one time step in the active rows."""
-        self._integrator.step(self.state, self.certificate.conditions, active, self.field.n)
+        self._integrator.step(self.state, self.certificate.limits, active, self.field.n)
         self._restore(active)
 
     def residual(self, active: Indices) -> Reals:
@@ -166,7 +166,7 @@ class Dynamics:
 
     def _restore(self, active: Indices) -> None:
         self._products.restore(active)
-        u, ku, n = self.state.u, self.state.ku, self.field.n
+        u, ku, n = self.state.u, self.state.restoring, self.field.n
         if self._law is not None:
             with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges, as its status says
                 ku[active, -1, :n] -= self._law.traction(self._punch[active, :n] - u[active, -1, :n])

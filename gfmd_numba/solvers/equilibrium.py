@@ -1,4 +1,4 @@
-"""Static equilibrium of a batch: begin a solver of the table, iterate until the certificate holds, say how it ended."""
+"""Static equilibrium of a batch: begin a solver of the table, iterate until the certificate holds, give a status."""
 
 import time
 from collections.abc import Callable
@@ -16,7 +16,7 @@ from gfmd_numba.interface import vector_slip
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.certificate import pressure_scale
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Iteration, Start, begin, leave_pressures, tangential_shape
-from gfmd_numba.solvers.status import Stagnation, Status
+from gfmd_numba.solvers.status import Stagnation, Status, certified
 from gfmd_numba.solvers.table import SOLVERS, Options
 
 _BLOWN_UP = 1e12  # tractions over load and fluctuation of full contact, above which a run is called unstable
@@ -50,16 +50,17 @@ class Tangential:
 class Equilibrium:
     """Displacement and pressure `[realisation, (y,) x]` (L_x, E*), and per realisation how they were reached.
 
-    The pressure is what the interface transmits, of the hard wall and of the law. Nodes are `touching` where the wall
-    presses; afterwards their gap tells (`arrays.regions.on_wall`).
+    The pressure is the whole normal traction of the interface, of the hard wall and of the law. Nodes are `touching`
+    where the wall presses; in results, nodes without a gap (`arrays.regions.on_wall`).
 
     Nodes at the hardness are `plastic`, and those alone may penetrate; None without a hardness.
 
     The displacement is positive towards the punch; under a prescribed load its mean is arbitrary. `residual` is that of
     `Certificate.residual`. `full_contact_rms_pressure` is the rms fluctuation of the pressure were the punch in full
     contact. `growing_wave` is the index of the wave that grew most in each unstable realisation, -1 in the others; None
-    unless there is one. Of a punch that fills a corner of the grid, fields are those in there. Then `mean_displacement`
-    is that of the whole grid, and `touching_around` says whether anything touches beyond the corner.
+    unless there is one. If the punch fills a corner of the grid, fields have the nodes of the corner. Then
+    `mean_displacement` is the mean over the whole grid, and `touching_around` says whether anything touches beyond the
+    corner.
     """
 
     displacement: Reals
@@ -164,8 +165,8 @@ def equilibrate(
             most = hardness * (1.0 + options.residual)
             yielding = rows[(result.status[rows] != Status.ok) | _above(most, result, rows)]
             for row in np.setdiff1d(rows, yielding):  # loaded again up to where it has yielded, but for the residual
-                excess = float(result.pressure[row].max()) / hardness - 1.0
-                result.residual[row] = max(result.residual[row], excess)
+                overshoot = float(result.pressure[row].max()) / hardness - 1.0
+                result.residual[row] = max(result.residual[row], overshoot)
             if yielding.size:
                 _solve(batch, interface, yielding, borne, options, result)
         share = result.n_transforms[rows] / result.n_transforms[rows].sum()
@@ -248,7 +249,7 @@ def _store(result: Equilibrium, solver: Iteration, done: Indices, where: Indices
     state, n, shape, corner = solver.state, solver.field.n, solver.field.shape, result.corner
     mean = solver.certificate.mean_displacement
     for i, row in zip(done, where, strict=True):  # one by one: a map may fill a good part of the memory
-        u, p = (each[i, -1, :n].reshape(shape) for each in (state.u, state.ku))
+        u, p = (each[i, -1, :n].reshape(shape) for each in (state.u, state.restoring))
         _fill(result, row, u[corner], p[corner])
         if result.mean_displacement is not None and result.touching_around is not None:
             result.mean_displacement[row] = u.mean() if mean is None else mean[i]
@@ -258,7 +259,7 @@ def _store(result: Equilibrium, solver: Iteration, done: Indices, where: Indices
         return
     along = found.slip.shape[1]
     displacement, traction, anchor = (
-        each[done, :along, :n].reshape(-1, along, *shape)[corner] for each in (state.u, state.ku, state.anchor)
+        each[done, :along, :n].reshape(-1, along, *shape)[corner] for each in (state.u, state.restoring, state.anchor)
     )
     found.displacement[where], found.traction[where] = displacement, traction
     touching = result.touching[where][:, np.newaxis]
@@ -287,10 +288,8 @@ def _iterate(
         iterations += steps
         residual = solver.residual(active)
         stays = stagnation.look(residual, active)
-        status = np.where(stays, Status.stagnated, Status.steps_used_up).astype(np.int8)
-        status[residual <= options.residual] = Status.ok
-        status[solver.certificate.violation[active] > blown_up[active]] = Status.unstable
-        status[np.isnan(residual)] = Status.nonfinite
+        status = certified(residual, options.residual, np.where(stays, Status.stagnated, Status.steps_used_up))
+        status[(solver.certificate.violation[active] > blown_up[active]) & ~np.isnan(residual)] = Status.unstable
         ended = (status != Status.steps_used_up) | (iterations >= limit)
         ended |= (residual <= _RESIDUAL_TO_JUDGE) & (solver.certificate.peak[active] > _SURELY_YIELDS * hardness)
         done = active[ended]
@@ -298,7 +297,7 @@ def _iterate(
         leave_pressures(solver, done)
         _store(result, solver, done, where)
         if result.plastic is not None:
-            result.plastic[where] = result.pressure[where] >= solver.certificate.conditions.hardness
+            result.plastic[where] = result.pressure[where] >= solver.certificate.limits.hardness
         result.status[where] = status[ended]
         result.residual[where] = residual[ended]
         result.n_iterations[where] += iterations

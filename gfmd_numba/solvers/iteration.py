@@ -1,4 +1,4 @@
-"""What a solver is given, what is asked of it, and how it begins: the same of every solver."""
+"""Input of a solver (`Batch`, `Start`), its interface (`Iteration`), and how it begins."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -26,7 +26,7 @@ def tangential_shape(punch: Reals) -> tuple[int, ...]:
 
 @dataclass(frozen=True)
 class Start:
-    """What a batch begins with `[realisation, (y,) x]`: displacements, normal and tangential.
+    """Initial displacements of a batch `[realisation, (y,) x]`, normal and tangential.
 
     Tangential quantities have the `tangential_shape`. `dragged` is how far the punch has moved sideways since, ready to
     broadcast with `[component, (y,) x]`.
@@ -55,13 +55,13 @@ class Start:
 class Batch:
     """Elastic bodies under rigid punches `[realisation, (y,) x]` (L_x, E*), as a solver is given them.
 
-    `response` is that of the normal displacement alone or of all; `load` the mean pressure `[realisation]`, which
-    nothing else holds, or None where the position of the punch prescribes the displacement. `sliding` is the tangential
-    displacement of the punch, ready to broadcast with `[component, (y,) x]`, with a cohesive law less what else moves
-    each node. `largest_pressure` is what no pressure is expected to exceed. A solver may begin with the state `begun`,
-    None for bodies at rest. The punch may fill a corner of the grid of the response alone, and be flat `around` it
-    `[realisation, (1,) 1]`. A solver may keep displacements in the `room`
-    `[realisation, (y,) x]` for them, and pressures in that `room_of_pressure`, which is zero.
+    `response` is that of the normal displacement alone or of all. `load` is the mean pressure `[realisation]`, which no
+    mean displacement balances, or None where the position of the punch prescribes the displacement. `sliding` is the
+    tangential displacement of the punch, ready to broadcast with `[component, (y,) x]`; with a cohesive law, less other
+    shifts of each node. No pressure is expected to exceed the `largest_pressure`. A solver may begin with the state
+    `begun`, None for bodies at rest. The punch may fill a corner of the grid of the response alone, and be flat
+    `around` it `[realisation, (1,) 1]`. A solver may keep displacements in the `room` `[realisation, (y,) x]` for them,
+    and pressures in that `room_of_pressure`, which is zero.
     """
 
     punch: Reals
@@ -119,7 +119,7 @@ class Batch:
     def certificate(self) -> Certificate:
         """Return what measures how far a solver is from equilibrium."""
         rigid_mean = RigidMean.of(self.punch, self.response)
-        return Certificate(len(self.punch), self.interface.conditions, rigid_mean)
+        return Certificate(len(self.punch), self.interface.limits, rigid_mean)
 
     def law_stiffness(self) -> float:
         """Bound of the stiffness that the laws add to that of the bodies."""
@@ -183,6 +183,6 @@ def _implementation(path: str) -> Callable[[Batch, Options], Iteration | None]:
 
 def leave_pressures(solver: Iteration, rows: Indices) -> None:
     """Replace what restores normal displacements by the pressures of the wall, unless the solver has, in ended rows."""
-    bears, conditions = solver.certificate.bears, solver.certificate.conditions
+    bears, limits = solver.certificate.bears, solver.certificate.limits
     restored = rows if bears is None else rows[~bears[rows]]
-    kernels.wall_pressure(solver.state, conditions.hardness, restored, solver.field.n)
+    kernels.wall_pressure(solver.state, limits.hardness, restored, solver.field.n)

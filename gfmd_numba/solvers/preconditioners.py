@@ -1,4 +1,12 @@
-"""The approximate inverse of a compliance on some nodes, by the dimension of the surface, and what goes with it."""
+"""Preconditioners of Newton's methods: approximate inverses of a compliance on some nodes, by the dimension.
+
+    dimension   normal displacement alone   one component among others   file
+    1           ProfileInverse              ProfileInverse               exponential_sums/exponential_sum.py
+    2           TwoLevelPreconditioner      StencilPreconditioner        two_level_preconditioner.py
+
+The accelerators of active_set_newton run first where they can (`table.py`), and bring their own:
+`exponential_sums/newton.py` an `ExponentialSum`, `tiles/newton.py` a `TiledTwoLevelPreconditioner`.
+"""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -7,21 +15,22 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.solvers.exponential_sums.exponential_sum import ProfileInverse
-from gfmd_numba.solvers.tiles.near_field import FarField, NearField
+from gfmd_numba.solvers.two_level_preconditioner import StencilPreconditioner, TwoLevelPreconditioner
 
 
 class Preconditioner(NamedTuple):
     """How Newton's methods precondition on a grid.
 
     `of_contact` takes stiffness, compliance and shape of the normal displacement alone, `of_component` the compliance
-    and shape of one component among others; `tangential` makes one compliance of the elements of the whole. Nodes may
-    have to be `in_order` around the period. Under friction the linear problem takes at most so many `directions`. Where
-    no slip `turns`, that of a guess that stands is linear, displacements of all directions are kept, and coarser grids
-    tell the guess.
+    and shape of one component among others. `tangential` makes one compliance from the elements of the whole one.
+    Nodes may have to be `in_order` around the period. Under friction the linear solver takes at most so many
+    `directions`. `turns`: the slip of a node may turn its direction, as on maps. If it cannot, the problem of a correct
+    guess is linear, the linear solver keeps the displacements of all its directions, and a coarser grid makes the
+    first guess.
     """
 
-    of_contact: Callable[[Reals, Reals, tuple[int, ...]], ProfileInverse | FarField]
-    of_component: Callable[[Reals, tuple[int, ...]], ProfileInverse | NearField]
+    of_contact: Callable[[Reals, Reals, tuple[int, ...]], ProfileInverse | TwoLevelPreconditioner]
+    of_component: Callable[[Reals, tuple[int, ...]], ProfileInverse | StencilPreconditioner]
     tangential: Callable[[Reals], Reals]
     in_order: bool
     directions: int
@@ -58,8 +67,8 @@ PRECONDITIONERS = {  # by the dimension
         turns=False,
     ),
     2: Preconditioner(
-        lambda stiffness, compliance, shape: FarField(stiffness, shape),
-        lambda compliance, shape: NearField(as_stiffness(compliance), shape),
+        lambda stiffness, compliance, shape: TwoLevelPreconditioner(stiffness, shape),
+        lambda compliance, shape: StencilPreconditioner(as_stiffness(compliance), shape),
         _alike_both_ways,
         in_order=False,
         directions=40,  # of maps fewer, as these are large

@@ -1,4 +1,4 @@
-"""What the solvers that iterate on the pressure share: pressure, gap and certificate of profiles or maps, flat."""
+"""Base of the solvers that iterate on the pressure: pressure, gap and certificate of profiles or maps, flat."""
 
 from collections.abc import Callable, Iterable
 from typing import NamedTuple, Protocol
@@ -43,7 +43,7 @@ class PressureIterate:
         self.rows = [kernels.Iterate(*row) for row in zip(*self.iterate, strict=True)]
         self.state = kernels.SurfaceState.of_normal(self.displacement, self.field.result, self.wall, self.load)
         self.certificate = batch.certificate()
-        self.certificate.conditions = kernels.Conditions(self.hardness)
+        self.certificate.limits = kernels.ContactLimits(self.hardness)
         self.rounding = np.finfo(np.float64).eps * np.ptp(punch, axis=1)
         self.elsewhere: Reals = np.zeros(rows)  # transforms on other grids, in those of this one
 
@@ -95,7 +95,7 @@ class LastPressure:
 
 
 class Inverse(Protocol):
-    """What is close to the inverse of the compliance on some nodes."""
+    """Approximate inverse of the compliance on some nodes."""
 
     def solve(self, displacement: Reals, pressure: Reals) -> None:
         """Fill the pressure on the nodes that about causes the displacement there."""
@@ -105,15 +105,15 @@ class Inverse(Protocol):
 class Closing(NamedTuple):
     """The linear problem of the pressure that closes the gap of a row on its `nodes` in contact.
 
-    `soften` fills the displacement of the iterate under its direction. Under a prescribed load (`free_mean`) a change
-    of pressure loses what changes the load, by means of the pressure that a `uniform` displacement takes. Gaps within
-    `rounding` are closed. The `room` `[2, node]` is free, and may be longer.
+    `apply_compliance` fills the displacement of the iterate under its direction. Under a prescribed load (`free_mean`)
+    a change of pressure may not change the load: a multiple of the pressure of a `uniform` displacement is subtracted.
+    Gaps within `rounding` are closed. The `room` `[2, node]` is free, and may be longer.
     """
 
     iterate: kernels.Iterate
     nodes: Indices
     inverse: Inverse
-    soften: Callable[[], None]
+    apply_compliance: Callable[[], None]
     uniform: Reals
     rounding: float
     free_mean: bool
@@ -152,7 +152,7 @@ class Closing(NamedTuple):
                 return iteration
             self._direct(step, last)
             last = energy
-            self.soften()
+            self.apply_compliance()
             step = self._update(energy)
             self.open(step)
         return most
@@ -165,8 +165,9 @@ class Closing(NamedTuple):
     def revise(self, contact: Flags, load: float) -> int:
         """Nodes under tension leave the `contact` and lose it, nodes that overlap join; return how many did.
 
-        Under a prescribed load (the sum of all pressures) the nodes in contact fix the approach, which is taken off the
-        gap, and the others carry what was lost. If all have lost it, full contact begins anew.
+        Under a prescribed load (the sum of all pressures) the nodes in contact fix the approach, which is subtracted
+        from the gap, and the nodes that stay carry the pressure of those that left. If all have left, full contact
+        begins anew.
         """
         (p, gap, _, _), nodes, rounding, approach = self.iterate, self.nodes, self.rounding, 0.0
         if self.free_mean and nodes.size:

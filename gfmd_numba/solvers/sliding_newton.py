@@ -2,8 +2,8 @@
 
 The response of such bodies is not symmetric, as the surface is higher in front of a load than behind it. Pressure and
 gap are those of a linear complementarity problem of a positive definite matrix, and so there is one solution. It is
-found by guessing the contact, as on elastic bodies. The more a body lags behind, the less a guess knows of the contact
-that it leads to, and guesses may go round in circles. A proximal term then outweighs most of the lag:
+found by guessing the contact, as on elastic bodies. The more a body lags behind, the less a guess determines the next
+one, and guesses may go round in circles. A proximal term then outweighs most of the lag:
 
     gap = wall + C p + w Re(C) (p - p'),
 

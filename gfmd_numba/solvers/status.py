@@ -1,10 +1,25 @@
-"""How a run ended, and whether it has stopped converging, because rounding, say, keeps the residual where it is."""
+"""How a run ended: the one function that makes a result `ok`, and the one that withdraws it.
+
+`certified` makes runs of a solver `ok`, by the residual that `certificate.py` defines: `equilibrium.py`,
+`boundary_value_problem.py` and `distributed_newton.py` call it. In `equilibrium.py`, a run whose tractions grow without
+bound is `unstable`, or has `no_equilibrium` if the body is incompressible. Later, `withdrawn` replaces `ok` where
+
+    file                        status            because
+    contact/solution.py         no_equilibrium    the body touches beyond any window without a period
+    contact/two_step.py         too_steep         rounds of rough bodies do not settle, or the next order is too large
+    contact/boundary_values.py  too_steep         rounds of a rough body under prescribed values do not settle
+    contact/plastic_flow.py     steps_used_up     the plastic strain does not reach its residual (`RESIDUAL_RATIO`)
+    contact/evaluation.py       nonfinite         a field or a measure is not finite
+
+A path ends at its first step that is not `ok`, and has the status of this step (`contact/load_path.py`).
+"""
 
 from collections.abc import Mapping
 from enum import IntEnum
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from gfmd_numba.arrays import Flags, Indices, Reals
 
@@ -55,6 +70,17 @@ def flag_attributes(sentences: Mapping[IntEnum, str]) -> dict[str, Any]:
         "flag_meanings": " ".join(state.name for state in states),
         "flag_sentences": "\n".join(f"{state.name}: {sentences[state]}" for state in states),
     }
+
+
+def certified(residual: Reals | float, asked: float, otherwise: Reals | int) -> npt.NDArray[np.int8]:
+    """Return `ok` where a residual is at most the one asked for, `nonfinite` where it is nan, else `otherwise`."""
+    found = np.where(np.isnan(residual), Status.nonfinite, otherwise)
+    return np.where(residual <= asked, Status.ok, found).astype(np.int8)
+
+
+def withdrawn(status: npt.NDArray[np.int8] | int, failed: Flags | bool, becomes: Status) -> npt.NDArray[np.int8]:
+    """Return statuses in which those that are `ok` where a check has `failed` become another; others stay."""
+    return np.where(failed & (np.asarray(status) == Status.ok), becomes, status).astype(np.int8)
 
 
 _SMALL = 1e-3  # residual above which, in double precision, a run has not yet begun to converge

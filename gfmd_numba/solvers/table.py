@@ -1,4 +1,4 @@
-"""The table of solvers: what each one is, what it can do and what it can be told; and what a run tells one.
+"""The table of solvers, with the abilities and options of each, and the options of a run.
 
 Pure data: importing it compiles nothing. The first solver of the table that can do all that a problem asks for is the
 one that `auto` stands for.
@@ -34,8 +34,8 @@ class Solver:
     a problem and options. The first of them that takes the problem runs, as the others return None. `options` are
     those that not every solver has, with their defaults. A block of rows holds at most `block_samples` samples: up to
     2^15 its arrays stay in the second-level cache; a solver that finishes one row before the next has no use for that.
-    After `gives_up_after` iterations the solver named `successor` begins anew. `shares`: on maps without a hardness,
-    threads share the work.
+    After `gives_up_after` iterations the solver named `successor` begins anew. `shares_threads`: threads share the work
+    on maps without a hardness.
     """
 
     sentence: str
@@ -46,7 +46,7 @@ class Solver:
     block_samples: int = 2**15
     gives_up_after: int | None = None
     successor: str | None = None
-    shares: bool = False
+    shares_threads: bool = False
 
 
 _PRESSURE = frozenset({"dimension 1", "dimension 2", "hard wall", "hardness", "rigid mean"})
@@ -68,7 +68,7 @@ SOLVERS = {
         block_samples=2**18,
         gives_up_after=50,  # usually below 10
         successor="conjugate_gradients",
-        shares=True,
+        shares_threads=True,
     ),
     "conjugate_gradients": Solver(
         "constrained conjugate gradients on the pressure",

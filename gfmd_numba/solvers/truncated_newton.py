@@ -33,8 +33,8 @@ Place = Callable[[], tuple[Reals, Reals]]  # gap and slip, where they are needed
 class EnergyOfGap:
     """A law of the gap alone.
 
-    `reach` is how far a step may close gaps: a stride over the range of an attraction might pass what keeps surfaces
-    apart; 0 where nothing attracts. Gaps are `[node]`, slips of the punch over the body `[component, node]`.
+    `reach` is the largest closing of gaps in a step: a longer stride might pass the barrier of energy that keeps
+    surfaces apart; 0 where nothing attracts. Gaps are `[node]`, slips of the punch over the body `[component, node]`.
     """
 
     def __init__(self, law: NormalLaw) -> None:
@@ -121,7 +121,7 @@ _LOOSE = 0.3  # largest part of the unbalanced traction that a Newton step may l
 _ENOUGH = 0.7  # unbalanced traction that it leaves at least, over what the residual that is asked for allows
 _NEAR = 8.0  # times that: so near the end a step goes on, as it takes less than to begin another one
 _INNER_ITERATIONS = 60  # of conjugate gradients in a Newton step
-_LOST = 1e-6  # restoring traction over the largest that went into its sum, below which it has lost too many digits
+_CANCELLED = 1e-6  # restoring traction over the largest that went into its sum, below which it has lost too many digits
 _FLAT = 1e-6  # curvature over that of the body alone below which a direction is one of a fold, or downhill for ever
 _LONGEST = 8.0  # step along such a direction over that in which the body alone would come to rest
 _SUFFICIENT = 1e-4  # least decrease of the energy over what its slope promises (Armijo)
@@ -140,8 +140,8 @@ class HeldMean:
 
     The mean pressure then takes over, as the condition's multiplier (Hestenes, J. Optim. Theory Appl. 4:303, 1969).
 
-    Where a law softens faster than that stiffness lets the volume of a single node change, a contact would jump open
-    and shut again as the mean pressure follows.
+    If the stiffness were below the softening of the law over a single node, a contact would jump open and shut again as
+    the mean pressure follows.
     """
 
     condition: RigidMean
@@ -164,7 +164,7 @@ class HeldMean:
 
 
 def unless_hardness_alone(batch: Batch, options: Options) -> "TruncatedNewton | None":
-    """Begin but under a hardness without a law: an energy that is made of kinks may hardly curve."""
+    """Begin, unless under a hardness without a law, whose energy has many kinks and hardly any curvature."""
     alone = batch.interface.hardness is not None and batch.interface.normal_law is None
     return None if alone else TruncatedNewton(batch, options)
 
@@ -186,14 +186,14 @@ class TruncatedNewton:
 
     A mean displacement that has to vanish is held by a large stiffness, and the mean pressure then takes over.
 
-    Bodies at rest that a load presses on a map begin with the equilibrium on a grid half as fine, and so on down. A
-    state that a path has left is a start of its own, as it tells which branch the contact is on.
+    A map at rest under a load begins with the equilibrium on a grid half as fine, and so on down. A later step of a
+    path begins with the state that the last step has left, which is on the branch to follow.
 
     Under a hardness penetration adds the hardness times its depth to the energy, which has a kink where a node touches
-    the wall. So each Newton step leaves every node on its side: nodes that yield, as they penetrate or press on the
-    wall by more than the hardness, are pushed back by the hardness and stop at the wall from behind; the others stop at
-    it from before. A node at the wall that presses by less is held. A node that yields has no gap, so that its law
-    pulls as it does at gap 0.
+    the wall. So each Newton step leaves every node on its side of the wall. Nodes yield that penetrate, or press on the
+    wall by more than the hardness: the hardness pushes them back, and they stop at the wall from behind. The other
+    nodes stop at the wall from before. A node at the wall that presses by less than the hardness is held. The law of a
+    node that yields acts as at gap 0.
     """
 
     check_every = 1
@@ -203,7 +203,7 @@ class TruncatedNewton:
         batch, self._coarse_transforms = _on_coarser_grids(batch, options)
         self._held_mean = held = HeldMean.of(batch)
         response = batch.response if held is None else batch.response.with_mean(held.stiffness)
-        self.certificate = Certificate(rows, interface.conditions, None if held is None else held.condition)
+        self.certificate = Certificate(rows, interface.limits, None if held is None else held.condition)
         of_gap, self._target = EnergyOfGap(interface.normal_law or _NOTHING), options.residual
         self._law = of_gap if interface.cohesive is None else EnergyOfSlip(interface.cohesive)
         self._products = products = Products(response, rows, tuple(shape))
@@ -327,7 +327,7 @@ class TruncatedNewton:
 
     def _borne(self, i: int) -> Reals | float:
         """Pressure with which the hardness pushes back nodes that yield."""
-        return 0.0 if self._yields is None else self.certificate.conditions.hardness * self._yields[i]
+        return 0.0 if self._yields is None else self.certificate.limits.hardness * self._yields[i]
 
     def _find_direction(self, row: Indices) -> bool:
         """Fill the direction of a row's Newton step; returns whether the energy curves down somewhere along it."""
@@ -400,7 +400,7 @@ class TruncatedNewton:
         if self._is_summed[i]:
             np.multiply(self._lifted, step, out=self._result[i])
             self._result[i] += self._elastic[i]
-            self._is_summed[i] = _largest(self._result[i]) > _LOST * self._largest_summed[i]
+            self._is_summed[i] = _largest(self._result[i]) > _CANCELLED * self._largest_summed[i]
         if not self._is_summed[i]:
             self._products.restore(row)
         work, slope, scale = kernels.descent_work(
@@ -441,7 +441,7 @@ class TruncatedNewton:
     def _let_yield(self, i: int, u: Reals, bounds: tuple[Reals, Reals], yields: Flags) -> None:
         """Tell which nodes of a row yield, and stop none of these at the wall."""
         punch, load = self._punch[i], self.state.load[i]
-        presses = load - self._nodes(self._restoring[i])[-1] > self.certificate.conditions.hardness
+        presses = load - self._nodes(self._restoring[i])[-1] > self.certificate.limits.hardness
         yields[:] = (u > punch) | ((u == punch) & presses)
         self._nodes(self._load[i])[-1] = load - self._borne(i)
         for bound in bounds:

@@ -215,7 +215,10 @@ def test_a_node_on_the_brink_counts(leaves):
     # what a law pulls at no gap is borne by the wall too, so that no node is about to leave
     pull = 0.5 * found.pressure.mean()
     pulled = replace(found, pressure=found.pressure - pull * found.touching)
-    assert measure(replace(contact, equilibrium=pulled, pull=pull))["kappa_residual_error"] < 1e-2 * changed
+    assert (
+        measure(replace(contact, equilibrium=pulled, law_traction_at_contact=pull))["kappa_residual_error"]
+        < 1e-2 * changed
+    )
 
 
 @pytest.mark.long

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.analysis import fit_tfc, limit_errors
-from gfmd_numba.analysis.limit_errors import _without, expected_doubts, rivals
+from gfmd_numba.analysis.limit_errors import _without, expected_extrapolation_errors, rivals
 from gfmd_numba.analysis.selection import groups_to_fit
 from support.doubts import without_doubts
 from support.synthetic_campaigns import ALPHA, CROSS, TFC, campaign, noisy
@@ -68,9 +68,9 @@ def test_from_coarse_levels_the_unseen_slope_is_doubted_as_a_power_is(monkeypatc
     assert of_coarse == pytest.approx(0.3, rel=0.02)
     assert of_known < 0.1
     assert coarse["kappa_tfc"].item() == known["kappa_tfc"].item()
-    rest = expected_doubts(fit_tfc(dataset), "eps_f", 2.0, 1).item()  # finer levels are known
+    rest = expected_extrapolation_errors(fit_tfc(dataset), "eps_f", 2.0, 1).item()  # finer levels are known
     assert rest < 0.5 * coarse["extrapolation_error"].item()
-    assert expected_doubts(fit_tfc(dataset), "eps_f", 1.0, 1).item() == pytest.approx(
+    assert expected_extrapolation_errors(fit_tfc(dataset), "eps_f", 1.0, 1).item() == pytest.approx(
         coarse["extrapolation_error"].item()
     )
 
@@ -203,7 +203,7 @@ def test_a_finer_level_leaves_the_doubt_of_a_shorter_distance():
     for limit, finer in (("eps_f", 4.0), ("eps_c", 2.0)):
         now = fit["extrapolation_error"].sel(limit=limit).values
         assert (now > 0.0).all()
-        np.testing.assert_allclose(expected_doubts(fit, limit, finer, 1), now * finer ** -ALPHA[limit])
+        np.testing.assert_allclose(expected_extrapolation_errors(fit, limit, finer, 1), now * finer ** -ALPHA[limit])
 
 
 def test_no_level_is_left_out_without_which_a_group_has_a_limit_less():

@@ -7,7 +7,7 @@ from scipy.stats import f as f_distribution
 
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.analysis.exponent_posterior import weighed
-from gfmd_numba.analysis.gauss_markov import excess_misfit, means_of
+from gfmd_numba.analysis.gauss_markov import means_of, misfit_factor
 from gfmd_numba.analysis.laws import power, unseen_slope
 from gfmd_numba.analysis.selection import groups_to_fit
 from support.synthetic_campaigns import ALPHA, CROSS, LEVELS, WANING, campaign, noisy
@@ -16,18 +16,18 @@ from support.unseen_slope import of_unseen_slope
 pytestmark = pytest.mark.usefixtures("laws_that_hold")
 
 
-def excess_of(dataset, given, *others):
+def factor_of(dataset, given, *others):
     """What is said of powers with given exponents, or of other laws of eps_f, and the means."""
     (group,) = groups_to_fit(dataset, "kappa", omit_nyquist=True)
     means = means_of(group, group.values)
     powers = {name: power(name, {each: np.broadcast_to(a, 2) for each, a in given.items()}) for name in means.levels}
     laws = [powers, *(powers | {"eps_f": other} for other in others)]
-    return excess_misfit([group], [means], [weighed([means], each) for each in laws]), means
+    return misfit_factor([group], [means], [weighed([means], each) for each in laws]), means
 
 
 def alarms(n, truth, number):
     rng = np.random.default_rng(n)
-    return sum(excess_of(noisy(truth, rng, spread=0.1), ALPHA)[0] > 1.0 for _ in range(number))
+    return sum(factor_of(noisy(truth, rng, spread=0.1), ALPHA)[0] > 1.0 for _ in range(number))
 
 
 @pytest.mark.long
@@ -44,7 +44,7 @@ def test_chi2_is_judged_by_the_scatter_of_the_means(exponent):
     n, levels = 14, {"eps_c": [1 / 2, 1 / 4, 1 / 8, 1 / 16, 1 / 32]}
     dataset = noisy(campaign(levels=levels, realisations=n), np.random.default_rng(0))
     dataset["kappa"][2] += 0.03
-    found, means = excess_of(dataset, {"eps_c": exponent})
+    found, means = factor_of(dataset, {"eps_c": exponent})
     weight = means.whitener.T @ means.whitener
     chi2, form = np.inf, None
     for alpha in np.linspace(*np.broadcast_to(exponent, 2), 1 if exponent == 1.0 else 2001):
@@ -70,7 +70,7 @@ def test_of_several_groups_the_one_with_the_fewest_surfaces_says_how_well_scatte
     powers = {name: power(name, {each: np.broadcast_to(a, 2) for each, a in ALPHA.items()}) for name in LEVELS}
     quantile = scipy.special.fdtri
     monkeypatch.setattr(scipy.special, "fdtri", lambda *given: seen.append(given[1]) or quantile(*given))
-    excess_misfit(both, means, [weighed(means, powers)])
+    misfit_factor(both, means, [weighed(means, powers)])
     assert seen == [19]
 
 
@@ -81,36 +81,36 @@ def test_errors_are_enlarged_and_it_is_said_where_no_law_describes_the_means():
     moved = dataset.copy(deep=True)
     moved["kappa"][1] += 0.02
     plain, off = (fit_tfc(each, fixed={"eps_c": 1.1}) for each in (dataset, moved))
-    excess, _ = excess_of(moved, {"eps_c": 1.1})
+    factor, _ = factor_of(moved, {"eps_c": 1.1})
     assert "the means lie" not in plain["message"].item()
-    far = f"{np.sqrt(excess):.3g}"
+    far = f"{np.sqrt(factor):.3g}"
     said = (
         f"the means lie {far} times as far from the laws as their errors allow, so all errors are multiplied by {far};"
     )
     assert said in off["message"].item()
-    assert (plain["misfit"].item(), off["misfit"].item()) == (1.0, pytest.approx(np.sqrt(excess)))
-    assert excess > 2.0
+    assert (plain["misfit"].item(), off["misfit"].item()) == (1.0, pytest.approx(np.sqrt(factor)))
+    assert factor > 2.0
     for error in ("kappa_tfc_error", "C_error"):
-        np.testing.assert_allclose(off[error], np.sqrt(excess) * plain[error], rtol=1e-9)
+        np.testing.assert_allclose(off[error], np.sqrt(factor) * plain[error], rtol=1e-9)
 
 
 def test_one_right_law_among_wrong_ones_is_enough():
     levels = LEVELS | {"eps_f": [1 / 64, 1 / 256, 1 / 1024, 1 / 4096, 1 / 16384]}
     truth = of_unseen_slope(campaign(levels=levels, realisations=40, cross=CROSS, **WANING), 0.5)
     dataset, given = noisy(truth, np.random.default_rng(2), spread=0.005, own=0.001), ALPHA | {"eps_f": (0.05, 3.0)}
-    alone, both = excess_of(dataset, given)[0], excess_of(dataset, given, unseen_slope(0.5))[0]
+    alone, both = factor_of(dataset, given)[0], factor_of(dataset, given, unseen_slope(0.5))[0]
     assert alone > 1.2
     assert both == 1.0
 
 
 def test_results_without_scatter_alarm_nobody():
-    assert excess_of(campaign(realisations=3, cross=CROSS), ALPHA)[0] == 1.0
+    assert factor_of(campaign(realisations=3, cross=CROSS), ALPHA)[0] == 1.0
 
 
 def test_interactions_far_larger_than_expected_are_no_misfit_where_cross_levels_tell_them():
     planted = {("eps_c", "eps_f"): 0.9, ("eps_c", "eps_t"): -0.9}
     dataset = noisy(campaign(realisations=30, cross=CROSS, interactions=planted), np.random.default_rng(0), spread=0.02)
-    assert excess_of(dataset, ALPHA)[0] == 1.0
+    assert factor_of(dataset, ALPHA)[0] == 1.0
 
 
 def test_chi_squared_is_that_of_the_likeliest_law():

@@ -12,7 +12,7 @@ PARAMETERS = [(1.0, 0.5), (3.0, 1.0), (30.0, 3.0), (200.0, 1 / 3)]  # k_c and m
 
 
 def excess(hurst, eps, cut, tail):
-    return unseen_slope(hurst).excess(np.atleast_1d(eps), np.array([[cut, tail]]))[0]
+    return unseen_slope(hurst).value(np.atleast_1d(eps), np.array([[cut, tail]]))[0]
 
 
 @pytest.mark.parametrize(("cut", "tail"), PARAMETERS)
@@ -62,7 +62,7 @@ def test_below_hurst_1_the_correction_falls_as_the_slower_of_two_powers(hurst, t
 
 def test_a_power_is_that_of_thesis_4_3():
     law = power("eps_c", {"eps_c": (0.5, 2.0)})
-    found = law.excess(np.array([0.5, 0.1]), np.array([[2.0], [0.5]]))
+    found = law.value(np.array([0.5, 0.1]), np.array([[2.0], [0.5]]))
     np.testing.assert_allclose(found, [[0.25, 0.01], [0.5**0.5, 0.1**0.5]])
     assert law.parameters[0].ends == (0.5, 2.0)
     assert not law.parameters[0].logarithmic

@@ -28,8 +28,8 @@ LEVELS = [1 / 128, 1 / 256, 1 / 512, 1 / 1024, 1 / 2048]
 def test_a_rival_that_is_less_sure_may_differ_by_chance(rival, variance, beyond):
     """Of a value of 2 with a variance of 0.01: variances of the difference are those of nested data (Hausman 1978)."""
     assert disagreement(2.0, 0.01, rival, variance) == pytest.approx(beyond)
-    assert Rival("", [], {}).doubt(2.0, 0.01, rival, variance) == pytest.approx(abs(beyond))
-    by_theory = Rival("", [], {}, from_theory=True).doubt(2.0, 0.01, rival, variance)
+    assert Rival("", [], {}).error(2.0, 0.01, rival, variance) == pytest.approx(abs(beyond))
+    by_theory = Rival("", [], {}, from_theory=True).error(2.0, 0.01, rival, variance)
     assert by_theory**2 == pytest.approx((rival - 2.0) ** 2 + max(0.0, variance - 0.01))
 
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import t as student
 
 from gfmd_numba.analysis import fit_tfc
-from gfmd_numba.analysis.exponent_posterior import Means, _narrowed, along, shares, weighed
+from gfmd_numba.analysis.exponent_posterior import Means, _narrowed, along, posterior_weights, weighed
 from gfmd_numba.analysis.gauss_markov import means_of
 from gfmd_numba.analysis.laws import power, unseen_slope
 from gfmd_numba.analysis.selection import groups_to_fit
@@ -30,7 +30,11 @@ def columns_at(means, relative):
     """Columns of a fit (case, coefficient) whose laws over their value at the reference are `relative`."""
     own = [relative[name](means.levels[name]) for name in means.levels]
     return np.column_stack(
-        [np.ones(means.values.size), *own, *products(dict(zip(means.levels, own, strict=True)), means.waning)]
+        [
+            np.ones(means.values.size),
+            *own,
+            *products(dict(zip(means.levels, own, strict=True)), means.interaction_power),
+        ]
     )
 
 
@@ -167,8 +171,8 @@ def test_two_laws_count_by_how_well_each_fits_over_its_ranges(seed, spread):
     one = {name: ratio(ALPHA[name], name) for name in ALPHA}
 
     def theory(node):
-        at = law.excess(np.array([REFERENCE["eps_f"]]), node[np.newaxis])[0, 0]
-        return one | {"eps_f": lambda eps: law.excess(eps, node[np.newaxis])[0] / at}
+        at = law.value(np.array([REFERENCE["eps_f"]]), node[np.newaxis])[0, 0]
+        return one | {"eps_f": lambda eps: law.value(eps, node[np.newaxis])[0] / at}
 
     sizes = [sizes_at(means, ALPHA | {"eps_f": 0.9}), known_before(means, theory(np.array([cut, tail])))]
 
@@ -179,22 +183,24 @@ def test_two_laws_count_by_how_well_each_fits_over_its_ranges(seed, spread):
             second,
             theory,
             sizes[1],
-            lambda node: law.excess(np.array([REFERENCE["eps_f"]]), node[np.newaxis])[0, 0],
+            lambda node: law.value(np.array([REFERENCE["eps_f"]]), node[np.newaxis])[0, 0],
         ),
     ]
     powers = {name: power(name, EXACT | {"eps_f": (low, high)}) for name in means.levels}
     choices = [weighed([means], laws) for laws in (powers, powers | {"eps_f": law})]
-    for choice, share, prior, (value, scatter, misfit) in zip(choices, shares(choices), priors, found, strict=True):
+    for choice, share, prior, (value, scatter, misfit) in zip(
+        choices, posterior_weights(choices), priors, found, strict=True
+    ):
         inside, outside = mixture(prior * np.exp(-(misfit - misfit.min()) / 2), value, scatter)[:2]
         mine = choice.fits[0]
         its = mixture(share, mine.coefficients[:, 0], mine.covariance[:, 0, 0])[:2]
         assert its[0] == pytest.approx(inside, abs=0.02 * outside)
         assert its[1] == pytest.approx(outside, rel=0.02)
-    at_reference = law.excess(np.array([REFERENCE["eps_f"]]), choices[1].nodes[:, 1:3])[:, 0]
+    at_reference = law.value(np.array([REFERENCE["eps_f"]]), choices[1].nodes[:, 1:3])[:, 0]
     correction = choices[1].fits[0].coefficients[:, 0] * at_reference
     np.testing.assert_allclose(choices[1].fits[0].coefficients[:, 2], correction, rtol=1e-10)
     likely = [prior @ np.exp(-(misfit - 10) / 2) for prior, (_, _, misfit) in zip(priors, found, strict=True)]
-    assert shares(choices)[1].sum() == pytest.approx(likely[1] / sum(likely), rel=0.03)
+    assert posterior_weights(choices)[1].sum() == pytest.approx(likely[1] / sum(likely), rel=0.03)
     kappa, variance, chi2 = (np.concatenate(each) for each in zip(*found, strict=True))
     mean, error, _ = mixture(np.concatenate(priors) * np.exp(-(chi2 - chi2.min()) / 2), kappa, variance)
     fit = fit_tfc(dataset, fixed=ALPHA | {"eps_f": (low, high)}).isel(group=0)
@@ -239,7 +245,7 @@ def test_a_curve_passes_through_the_fit_of_each_case():
             other: ratio(ALPHA[other], other)(there if other == name else np.full(2, REFERENCE[other]))
             for other in ALPHA
         }
-        columns = [np.ones(2), *own.values(), *products(own, means.waning)]
+        columns = [np.ones(2), *own.values(), *products(own, means.interaction_power)]
         np.testing.assert_allclose(found, np.array(columns).T @ coefficients, rtol=1e-12)
 
 
@@ -247,7 +253,9 @@ def test_weights_of_all_laws_add_up_to_one():
     _, _, means = group_and_means()
     laws = [{name: power(name, {"eps_c": (0.5, 2.0)} | EXACT) for name in means.levels}]
     laws.append(laws[0] | {"eps_f": unseen_slope(0.8)})
-    assert sum(share.sum() for share in shares([weighed([means], each) for each in laws])) == pytest.approx(1.0)
+    assert sum(share.sum() for share in posterior_weights([weighed([means], each) for each in laws])) == pytest.approx(
+        1.0
+    )
 
 
 def test_results_without_scatter_have_the_limit_that_was_planted_whatever_their_weights():

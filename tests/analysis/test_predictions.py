@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import chi2
 
 from gfmd_numba.analysis import UnusableDataError, fit_tfc
-from gfmd_numba.analysis.allocation import Pilot, _Ensemble, _relative_errors
+from gfmd_numba.analysis.allocation import Pilot, _Ensemble, _relative_error
 from gfmd_numba.analysis.gauss_markov import degrees_of_freedom
 from support.expected_interactions import drawn
 from support.pilots import predictions
@@ -64,7 +64,8 @@ def test_few_surfaces_of_the_dear_levels_leave_their_covariance_uncertain():
     counts = np.array([20.0, 40.0, 80.0])
     unknown = _Ensemble(np.eye(3), np.ones((3, 1)), np.zeros((3, 0)), np.zeros(1), np.arange(3), 2.0, 1.5, 30.0)
     expected = np.sqrt(1.5 * (20 - 2) / (20 - 1.5 - 2) / counts.sum()) / 2.0
-    assert _relative_errors(unknown, counts) == pytest.approx((expected, expected))
+    for known_exponents in (False, True):
+        assert _relative_error(unknown, counts, known_exponents) == pytest.approx(expected)
 
 
 def test_cross_levels_are_what_a_prediction_lacks_without_them():
@@ -101,7 +102,7 @@ def test_more_results_make_a_prediction_surer():
 def test_shares_of_ten_cases_are_chosen_by_a_variance_that_may_be_larger():
     """By as much as 40 results leave open with 98 % confidence, as the errors of fits have noise, too."""
     (ensemble,) = Pilot.of(results([40] * 10, 0), "kappa", ALPHA).ensembles
-    assert ensemble.doubt == pytest.approx(39 / chi2.ppf(0.02, 30))
+    assert ensemble.variance_factor == pytest.approx(39 / chi2.ppf(0.02, 30))
 
 
 def test_too_few_results_predict_nothing():

@@ -51,6 +51,7 @@ def test_a_run_ends_with_the_error_that_was_asked_for(reached):
     assert len(reached.rounds.rounds) > 1
     found = last.errors["kappa"]
     assert error == pytest.approx(found.error)
+    xr.testing.assert_identical(reached.fits["kappa"], fit_tfc(results, **json.loads(results.attrs["fit"])))
     assert found.error * found.factor <= GOAL.targets["kappa"]
     assert found.factor > 1.0
     assert found.reached

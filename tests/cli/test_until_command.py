@@ -40,6 +40,13 @@ def test_a_fit_tells_how_a_run_ended_only_if_it_is_that_of_the_run(reached, opti
     assert ("until kappa to 4.00%" in unfolded(said.stdout)) == own
 
 
+def test_a_run_prints_the_fit_by_which_it_ended_and_makes_no_other(reached, monkeypatch):
+    monkeypatch.delattr(gfmd_numba, "fit_tfc")
+    again = gfmd("run", reached[0] / "campaign.yaml", "-o", reached[0], "--workers=0", "--until=kappa=4%")
+    assert again.exit_code == 0
+    assert again.stdout == reached[1].stdout
+
+
 def test_it_says_round_by_round_what_was_reached(reached):
     said = unfolded(reached[1].stdout)
     assert "round 0: error" in said

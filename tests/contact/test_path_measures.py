@@ -6,7 +6,7 @@ import pytest
 import gfmd_numba
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.contact_input import read_contact
-from gfmd_numba.contact.energy_balance import Balance
+from gfmd_numba.contact.energy_balance import EnergyBalance
 from gfmd_numba.contact.load_path import PathRecord, solve_path
 from gfmd_numba.contact.validity import _coarse_steps
 from gfmd_numba.fourier import grid
@@ -84,7 +84,7 @@ def test_the_energy_is_that_of_the_waves_without_friction(loading, path):
     whole, _ = read_contact(*load_scene(FILE | {"scene": scene | {"loading": loading}, "path": path})).reduced
     for problem, contact in zip(whole.at_each_load, solve_path(whole, 0), strict=True):
         balance, u, p = (
-            Balance.of(problem, contact),
+            EnergyBalance.of(problem, contact),
             contact.equilibrium.displacement[0],
             contact.equilibrium.pressure[0],
         )

@@ -5,10 +5,10 @@ import pytest
 from plastic_flow import elements, first_yield, parabola, pressed, random_scene, violations
 
 from gfmd_numba.contact import evaluation, plastic_measures
-from gfmd_numba.contact.plastic_flow import Mixing
+from gfmd_numba.contact.plastic_flow import Mixing, PlasticState, plastic_state, stresses
 from gfmd_numba.contact.state import relative_difference
 from gfmd_numba.elasticity.eigenstrain import Sublayers
-from gfmd_numba.elasticity.plasticity import PlasticSublayers
+from gfmd_numba.elasticity.plastic_sublayers import PlasticSublayers
 from gfmd_numba.kernels import Hardening
 
 PRESSURE = 0.04  # Hertz's p0 of a cylinder of radius 1 whose contact is 0.16 wide
@@ -39,13 +39,13 @@ def test_without_flow_the_contact_is_elastic():
 
 def test_unloading_is_elastic_and_leaves_a_dent_and_compression():
     first, off, again = cylinder([1.0, 1e-4, 1.0])
-    flow, rest = plastic_measures.flow_of(first), plastic_measures.flow_of(off)
+    flow, rest = plastic_state(first), plastic_state(off)
     np.testing.assert_array_equal(flow.strain, rest.strain)
     np.testing.assert_allclose(again.equilibrium.pressure, first.equilibrium.pressure, atol=1e-6 * PRESSURE)
     middle = 32
-    assert rest.out[0].argmin() == middle
-    assert rest.out[0, middle] < -2.0 * rest.out.max() < 0.0
-    _, along = plastic_measures.stresses(off)
+    assert rest.residual_displacement[0].argmin() == middle
+    assert rest.residual_displacement[0, middle] < -2.0 * rest.residual_displacement.max() < 0.0
+    _, along = stresses(off)
     most = rest.equivalent[:, 0, middle].argmax()
     assert along[most, 0, middle] < -0.1 * PRESSURE / 2.5
 
@@ -57,8 +57,8 @@ def test_errors_fall_with_the_increments_and_are_told():
     errors = [abs(each.equilibrium.pressure - exact).sum() / abs(exact).sum() for each in found]
     assert errors[0] > 1.4 * errors[1]
     for each, error in zip(found, errors, strict=True):
-        assert plastic_measures.flow_of(each).error > 0.8 * error
-    assert np.isnan(plastic_measures.flow_of(cylinder([1.0], 2)[0]).error)
+        assert plastic_state(each).error > 0.8 * error
+    assert np.isnan(plastic_state(cylinder([1.0], 2)[0]).error)
 
 
 def test_the_error_told_knows_no_unit():
@@ -71,7 +71,7 @@ def test_the_error_told_knows_no_unit():
 
 def test_more_load_flows_deeper_than_the_first_step_of_a_path_alone_would_ask_for():
     first, last = cylinder([0.5, 1.0])
-    flow = plastic_measures.flow_of(last)
+    flow = plastic_state(last)
     assert flow.equivalent[-1].max() == 0.0
     assert plastic_measures.plastic_volume(last) > plastic_measures.plastic_volume(first) > 0.0
 
@@ -88,7 +88,7 @@ def test_sublayers_fill_the_depth_and_are_fine_below_the_surface():
 def test_mixing_reaches_the_fixed_point_of_a_map_that_turns():
     rng = np.random.default_rng(1)
     body = Sublayers((1, 4), np.array([0.1, 0.2]), 0.3)
-    start = plastic_measures.Flow.untouched(body, (1, 4))
+    start = PlasticState.untouched(body, (1, 4))
     turn, _ = np.linalg.qr(rng.normal(size=(24, 24)))
     weight = np.sqrt(np.broadcast_to(body.waves.thickness[:, np.newaxis], (3, 2, 4))).ravel()
     matrix, goal = 0.95 * turn * weight / weight[:, np.newaxis], rng.normal(size=24)

@@ -161,7 +161,7 @@ def test_each_node_wears_by_its_own_slip():
     for last, now in pairwise(found):
         way = now.step.sliding[0] - last.step.sliding[0]
         assert problem.wear_rate * way * np.pi * now.heights.shape[-1] / 2.0 < 2.0  # short enough for the mean
-        moved = now.sideways[0, 0] - last.sideways[0, 0]
+        moved = now.tangential_displacement[0, 0] - last.tangential_displacement[0, 0]
         slip = np.where(now.equilibrium.touching[0], way - moved, 0.0)
         expected += 0.5 * problem.wear_rate * abs(slip) * (last.equilibrium.pressure[0] + now.equilibrium.pressure[0])
     sticks = (found[1].equilibrium.tangential.slip[0, 0] == 0.0) & found[1].equilibrium.touching[0]

@@ -141,7 +141,7 @@ def test_a_slab_is_one_in_a_period_that_is_long_beside_its_height(body, shape):
         far = ElasticBody.layered(heights, materials, None)
     else:
         far = ElasticBody(body.nu, body.aspect_ratio / periods)
-    z = np.array([0.0, -0.04, 0.9 * body.base])
+    z = np.array([0.0, -0.04, 0.9 * body.base_z])
     n = shape[-1]
     far_below = fields.Inside((fields.surface_under_tractions(wide, far),), far)
     expected = far_below.section(z / periods, NAMES, "y", 0.5 / periods if len(shape) > 1 else 0.0)[..., :n]

@@ -247,7 +247,7 @@ def test_displacements_and_tractions_are_continuous_at_interfaces(layers, base):
         np.testing.assert_allclose(below, above, atol=1e-6 * abs(above).max(), err_msg=name)
     assert abs(np.diff(found.stress1, axis=0)).max() > 0.1 * abs(found.stress1).max()
     if base is None:
-        lowest = inside(under, np.array([body.base]), body)
+        lowest = inside(under, np.array([body.base_z]), body)
         assert abs(lowest.u1).max() < 1e-14 * abs(found.u1).max()
         assert abs(lowest.u3).max() < 1e-14 * abs(found.u3).max()
 

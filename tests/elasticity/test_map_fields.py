@@ -28,7 +28,7 @@ Z = np.array([0.0, -0.003, -0.02, -0.05, -0.3])
 def random_tractions(shape, body, seed=1):
     """Tractions of all waves of the grid, Nyquist too; nothing holds the mean tangential one of a half-space."""
     found = np.random.default_rng(seed).standard_normal((3, *shape))
-    return found - found.mean(axis=(1, 2), keepdims=True) if np.isinf(body.base) else found
+    return found - found.mean(axis=(1, 2), keepdims=True) if np.isinf(body.base_z) else found
 
 
 @pytest.mark.parametrize("n", [32, 33])

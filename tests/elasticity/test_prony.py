@@ -22,17 +22,17 @@ def test_its_modulus_falls_from_the_glassy_one_to_the_relaxed_one():
 @pytest.mark.parametrize("duration", [0.0, 1e-9, 1e-4, 4.9e-4, 5.1e-4, 0.03, 1.0, 40.0])
 def test_springs_and_dashpots_of_a_step_are_those_of_quadrature(duration):
     """The stretch of a spring is w exp(-s) + r (1 - exp(-s)), s the time over the relaxation time, r = du / x."""
-    kept, joined = SERIES.shares(duration)
+    decay, ramp_factor = SERIES.update_coefficients(duration)
     losses = SERIES.losses(duration)
     for i, time in enumerate(SERIES.times):
         x = duration / time
-        assert kept[i] == pytest.approx(np.exp(-x), rel=1e-14)
+        assert decay[i] == pytest.approx(np.exp(-x), rel=1e-14)
         if x == 0.0:
-            assert joined[i] == 1.0
+            assert ramp_factor[i] == 1.0
             assert not losses[:, i].any()
             continue
         old, new = (lambda s: np.exp(-s)), (lambda s, x=x: -np.expm1(-s) / x)
-        assert joined[i] == pytest.approx(new(x), rel=1e-13)
+        assert ramp_factor[i] == pytest.approx(new(x), rel=1e-13)
         pairs = ((old, old), (old, new), (new, new))
         expected = [quad(lambda s, f=f, g=g: f(s) * g(s), 0.0, x, epsabs=0.0, epsrel=1e-11)[0] for f, g in pairs]
         np.testing.assert_allclose(losses[:, i], expected, rtol=1e-8)

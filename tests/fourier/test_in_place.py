@@ -17,11 +17,11 @@ def test_stiffness_and_compliance_are_those_of_the_waves(shape):
     samples, stiffness = rng.normal(size=shape), grid.magnitudes(shape) + 0.5
     stiffness[0, 0] = np.inf
     field.samples[0] = samples
-    field.stiffen(stiffness)
+    field.apply_stiffness(stiffness)
     stiffness[0, 0] = 0.0
     expected = np.fft.irfft2(np.fft.rfft2(samples) * stiffness, shape)
     np.testing.assert_allclose(batch.samples[1], expected, rtol=1e-12, atol=1e-10)
-    field.soften(stiffness)
+    field.apply_compliance(stiffness)
     np.testing.assert_allclose(batch.samples[1], samples - samples.mean(), atol=3e-13)
     assert batch.n_transforms.tolist() == [0, 4, 0]
     assert not batch.samples[::2].any()
@@ -55,7 +55,7 @@ def test_a_transform_of_filled_rows_is_the_whole_one_there_and_leaves_the_others
     field, stiffness = batch.row(1), grid.magnitudes(shape)
     batch.memory[:] = 7.0
     field.samples[0, :filled] = samples = rng.normal(size=(filled, shape[1]))
-    field.soften(stiffness, filled=True)
+    field.apply_compliance(stiffness, filled=True)
     stiffness[0, 0] = np.inf
     expected = np.fft.irfft2(np.fft.rfft2(samples, shape) / stiffness, shape)[:filled]
     np.testing.assert_allclose(field.samples[0, :filled], expected, atol=1e-14)
@@ -80,12 +80,12 @@ def test_a_map_transformed_in_pieces_is_the_whole_one_for_any_number_of_threads(
             fewer.append(Transform(1, *coarse, in_place=True))
             field.coarsen(fewer[-1], filled=True)
             field.samples[0] = samples
-            field.stiffen(stiffness)
+            field.apply_stiffness(stiffness)
     np.testing.assert_allclose(fewer[1].samples, fewer[0].samples, atol=1e-14)
     np.testing.assert_allclose(pieces.samples, whole.samples, atol=1e-12)
     alone = Transform(1, *shape, in_place=True, filled=filled)
     alone.samples[0] = samples
-    alone.stiffen(stiffness)
+    alone.apply_stiffness(stiffness)
     np.testing.assert_array_equal(pieces.samples, alone.samples)
 
 

@@ -26,19 +26,19 @@ def _shared(samples, size, work, unit=1):
 def test_stiffness_and_compliance_are_those_of_the_waves_for_any_number_of_processes(shape):
     samples, stiffness = np.random.default_rng(0).normal(size=shape), grid.magnitudes(shape)
 
-    def stiffen(slab, own):
-        SlabTransform(slab, shape[1], np.copy).stiffen(own)
+    def apply_stiffness(slab, own):
+        SlabTransform(slab, shape[1], np.copy).apply_stiffness(own)
         return own
 
-    def soften(slab, own):
-        SlabTransform(slab, shape[1], np.copy).soften(own)
+    def apply_compliance(slab, own):
+        SlabTransform(slab, shape[1], np.copy).apply_compliance(own)
         return own
 
-    stiff = _shared(samples, 1, stiffen)
+    stiff = _shared(samples, 1, apply_stiffness)
     np.testing.assert_allclose(stiff, np.fft.irfft2(np.fft.rfft2(samples) * stiffness, shape), atol=1e-10)
-    np.testing.assert_allclose(_shared(stiff, 3, soften), samples - samples.mean(), atol=3e-13)
+    np.testing.assert_allclose(_shared(stiff, 3, apply_compliance), samples - samples.mean(), atol=3e-13)
     for size in (2, 3, 5):
-        np.testing.assert_array_equal(_shared(samples, size, stiffen), stiff)
+        np.testing.assert_array_equal(_shared(samples, size, apply_stiffness), stiff)
 
 
 @pytest.mark.parametrize("size", [1, 2, 3, 4])

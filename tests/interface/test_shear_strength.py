@@ -5,12 +5,12 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba.contact.contact_input import read_contact
-from gfmd_numba.contact.energy_balance import Balance
+from gfmd_numba.contact.energy_balance import EnergyBalance
 from gfmd_numba.contact.load_path import solve_path
-from gfmd_numba.kernels import Conditions
+from gfmd_numba.kernels import ContactLimits
 from gfmd_numba.scene import InputError
 from gfmd_numba.scene.scene_file import load_scene
-from gfmd_numba.solvers.friction.coulomb_cone import Found, FrictionGuess
+from gfmd_numba.solvers.friction.friction_guess import Found, FrictionGuess
 
 pytestmark = pytest.mark.filterwarnings("ignore")  # coarse steps and strains are enough here
 BODY = {"youngs_modulus": 1e9, "poissons_ratio": 0.3}
@@ -61,8 +61,8 @@ def revised(limit, unsure=0.01):
     tractions = np.array([[-0.3, 0.0], [1.0, 0.0]])
     guess = FrictionGuess(contact, along, np.zeros(2), tractions, np.zeros(2), np.zeros(2, dtype=bool), np.zeros(2))
     moved, found = np.array([[0.2, 0.3], [0.0, 1.0]]), np.array([[-0.2, 0.0], [0.4, 0.0]])
-    conditions = Conditions(friction=0.5, limit=limit)
-    return guess.revision(Found(moved, found, np.zeros(2), np.zeros((1, 2))), conditions, 1e-12, unsure)
+    limits = ContactLimits(friction=0.5, shear_strength=limit)
+    return guess.revision(Found(moved, found, np.zeros(2), np.zeros((1, 2))), limits, 1e-12, unsure)
 
 
 def test_a_node_whose_friction_falls_below_the_shear_strength_was_guessed_wrong():
@@ -84,7 +84,8 @@ def test_the_shear_strength_does_not_tell_whether_a_node_that_touches_down_slips
 def test_the_balance_of_energy_knows_the_shear_strength():
     problem, _ = read_contact(*load_scene({"scene": SCENE})).reduced
     (found,) = solve_path(problem, 0)
-    assert Balance.of(problem, found).rubbing.held.max() == pytest.approx(problem.interface.shear_limit)
+    limit = EnergyBalance.of(problem, found).frictional.limit
+    assert limit.max() == pytest.approx(problem.interface.shear_strength)
 
 
 @pytest.mark.parametrize("rubs", [{}, {"limit": "5 MPa", "coefficient": 0.1}])

@@ -83,15 +83,15 @@ def test_the_slopes_of_what_is_held_are_those_of_differences():
     film = UserFunction(lambda gap, p, v: 1.0 + 0.1 * p + np.sqrt(1.0 + v), 2.0, 3.0)
     for law in (
         SlipRateFriction(0.3, 0.05, 2.0),
-        SlipRateFriction(0.3, 0.05, 2.0, limit=0.2, rise=0.01),
+        SlipRateFriction(0.3, 0.05, 2.0, shear_strength=0.2, shear_rise=0.01),
         SlipRateFriction(0.3, rates=(0.0, 1.0, 5.0), coefficients=(0.3, 0.2, 0.4)),
-        SlipRateFriction(0.9, limit=film),
+        SlipRateFriction(0.9, shear_strength=film),
     ):
         law = law.lasting(1.5)
-        held, by_pressure, by_slip = law.hold(pressure, slip)
+        held, by_pressure, by_slip = law.limit_and_slopes(pressure, slip)
         for i, slope in enumerate((by_pressure, by_slip)):
             step = 1e-7 * np.array([[1.0], [0.0]])[[i, 1 - i]]
-            more = law.friction_bound(pressure + step[0], slip + step[1])
+            more = law.friction_limit(pressure + step[0], slip + step[1])
             np.testing.assert_allclose((more - held) / 1e-7, slope, atol=1e-5)
         assert held[0] == 0.0
 

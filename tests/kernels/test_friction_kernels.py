@@ -65,7 +65,7 @@ def test_a_step_with_friction_is_its_plain_twin(kernels_of_step, compiled, frict
         expected.append(whole)
     step, hold = (kernel if compiled else getattr(kernel, "py_func", kernel) for kernel in kernels_of_step)
     step(state, last, ACTIVE, N, memory, push)
-    hold(state, last, kernels.Conditions(friction=friction, limit=limit, rise=rise), ACTIVE, N, push)
+    hold(state, last, kernels.ContactLimits(friction=friction, shear_strength=limit, shear_rise=rise), ACTIVE, N, push)
     for found, asked in zip(changing, expected, strict=True):
         np.testing.assert_allclose(found, asked, rtol=1e-13, atol=1e-13)
     assert touches[ACTIVE, :, :N].any()
@@ -90,7 +90,9 @@ def test_the_violation_of_friction_is_its_plain_twin(kernel, friction, limit, ri
         violation = np.where(way > 0.0, slips, np.maximum(size - bound, 0.0))
     violation = np.where(touches, violation, size)
     for i in range(ROWS):
-        largest, total = kernel(state, kernels.Conditions(friction=friction, limit=limit, rise=rise), i, N)
+        largest, total = kernel(
+            state, kernels.ContactLimits(friction=friction, shear_strength=limit, shear_rise=rise), i, N
+        )
         assert largest == pytest.approx(violation[i, :N].max(), rel=1e-13)
         assert total == pytest.approx(traction[i, :, :N].sum())
 
@@ -120,13 +122,13 @@ def test_friction_violation_at_one_node_is_what_friction_does_not_balance(
     u, ku = np.array([[[0.1], [0.4]]]), np.array([[[k1], [k3]]])
     wall = u[:, 1] if touches else u[:, 1] + 1e-3
     state = kernels.SurfaceState(u, ku, wall, np.ones(1), u[:, :1] - slid)
-    assert kernel(state, kernels.Conditions(friction=friction), 0, 1)[0] == pytest.approx(violation, abs=1e-15)
+    assert kernel(state, kernels.ContactLimits(friction=friction), 0, 1)[0] == pytest.approx(violation, abs=1e-15)
 
 
 @COMPONENTS
 def test_tractions_that_are_not_finite_are_not_certified(components, rng):
     state, (worst, peak, imbalance) = random_state(rng, components), np.zeros((3, ROWS))
-    state.ku[2, 0, 5] = np.inf
-    kernels.wall_violation(state, kernels.Conditions(friction=0.3), ACTIVE, N, worst, peak, imbalance)
+    state.restoring[2, 0, 5] = np.inf
+    kernels.wall_violation(state, kernels.ContactLimits(friction=0.3), ACTIVE, N, worst, peak, imbalance)
     assert np.isnan(worst[2])
     assert np.isfinite(worst[0])

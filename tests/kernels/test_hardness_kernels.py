@@ -184,7 +184,7 @@ def test_the_certificate_holds_both_bounds(kernel, rng):
     allowed = np.where(u[0] < punch[0], 0.0, np.where(u[0] > punch[0], HARDNESS, np.clip(traction, 0.0, HARDNESS)))
     worst, peak, imbalance = np.zeros((3, 1))
     state = kernels.SurfaceState.of_normal(u, ku, punch, np.array([0.3]))
-    kernel(state, kernels.Conditions(HARDNESS), np.array([0]), N, worst, peak, imbalance)
+    kernel(state, kernels.ContactLimits(HARDNESS), np.array([0]), N, worst, peak, imbalance)
     assert worst[0] == pytest.approx(abs(traction - allowed).max())
     assert peak[0] == HARDNESS
     assert imbalance[0] == pytest.approx(abs((traction - allowed).mean()))

@@ -111,7 +111,9 @@ def test_wall_violation_is_its_plain_twin(kernel, rng):
     pressure = np.where((u == punch)[:, :N], np.maximum(traction, 0.0), 0.0)
     excess = traction - pressure
     worst, peak, imbalance = np.full((3, ROWS), -1.0)
-    kernel(kernels.SurfaceState.of_normal(u, ku, punch, load), kernels.Conditions(), ACTIVE, N, worst, peak, imbalance)
+    kernel(
+        kernels.SurfaceState.of_normal(u, ku, punch, load), kernels.ContactLimits(), ACTIVE, N, worst, peak, imbalance
+    )
     np.testing.assert_allclose(worst[ACTIVE], abs(excess).max(axis=1)[ACTIVE])
     np.testing.assert_allclose(peak[ACTIVE], pressure.max(axis=1)[ACTIVE])
     np.testing.assert_allclose(imbalance[ACTIVE], abs(excess.mean(axis=1))[ACTIVE], atol=1e-15)
@@ -129,7 +131,7 @@ def test_wall_violation_reports_what_is_not_finite(kernel, poison, touches):
     worst, peak, imbalance = np.zeros((3, ROWS))
     kernel(
         kernels.SurfaceState.of_normal(u, ku, punch, np.zeros(ROWS)),
-        kernels.Conditions(),
+        kernels.ContactLimits(),
         ACTIVE,
         N,
         worst,

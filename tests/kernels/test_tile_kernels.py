@@ -182,7 +182,7 @@ def test_tiles_on_some_rows_are_put_there_and_taken_back(first, take, put, rng):
     assert (found[-1] == 7.0).all()
 
 
-@pytest.mark.parametrize("kernel", both(kernels.soften_nodes))
+@pytest.mark.parametrize("kernel", both(kernels.subtract_far_pressure))
 def test_what_a_block_shares_is_taken_off(kernel, rng):
     nodes = np.sort(rng.permutation(5 * SIDE**2)[:20])
     p, isolated, shared, blocks = rng.random(20), rng.random(20), rng.random(4), rng.integers(0, 4, 5)

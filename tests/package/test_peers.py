@@ -54,7 +54,7 @@ def test_the_residual_is_that_of_the_certificate(case):
     displacement = punch - np.where(pressure > 0.0, 0.0, np.maximum(gap, 0.0))
     body.flat[0] = 0.0
     restoring = grid.signal(body * grid.coefficients(displacement, punch.ndim), *punch.shape)
-    certificate, row, load = Certificate(1, kernels.Conditions()), np.arange(1), np.array([case.load])
+    certificate, row, load = Certificate(1, kernels.ContactLimits()), np.arange(1), np.array([case.load])
     flat = [array.reshape(1, -1) for array in (displacement, restoring, punch)]
     certificate.look(kernels.SurfaceState.of_normal(*flat, load), row, punch.size)
     expected = certificate.residual(load, row)[0]

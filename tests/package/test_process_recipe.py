@@ -10,7 +10,7 @@ from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.problem import Problem, RoughBodies
 from gfmd_numba.contact.rough_surfaces import DeformableBody
 from gfmd_numba.contact.solution import solve
-from gfmd_numba.contact.state import Change, LoadStep
+from gfmd_numba.contact.state import LoadStep, StepModification
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
@@ -70,7 +70,9 @@ def test_the_worn_volume_is_rate_times_load_times_way(dimension, law):
         assert contact.after.memory["wear"].mean() == pytest.approx(expected, rel=1e-8)
     flat = list(solve_path(plain, 0))
     assert (found[-1].equilibrium.pressure != flat[-1].equilibrium.pressure).any()
-    assert (found[-1].equilibrium.plastic is None) == ("dents" not in found[-1].after.memory) == (law != "hardness")
+    assert (
+        (found[-1].equilibrium.plastic is None) == ("indentation" not in found[-1].after.memory) == (law != "hardness")
+    )
     assert len({plain.identity, worn.identity, replace(worn, path=path[:1]).identity}) == 3
 
 
@@ -112,7 +114,7 @@ class Relaxation:
 
     def change(self, state, step):
         factor, out, _ = self._step(state, step)
-        return Change(normal_offset=out, factor=factor)
+        return StepModification(normal_offset=out, factor=factor)
 
     def advance(self, state, solved, step):
         _, out, shares = self._step(state, step)

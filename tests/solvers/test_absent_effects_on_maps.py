@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba.contact.plastic_measures import PlasticFlow
+from gfmd_numba.contact.plastic_flow import PlasticFlow
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.eigenstrain import Sublayers
 from gfmd_numba.elasticity.spectral_response import SpectralResponse

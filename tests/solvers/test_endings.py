@@ -1,10 +1,12 @@
 """Every way a run may end has a name, a number in the files and a sentence that says what to do."""
 
+import numpy as np
+
 import gfmd_numba
 from gfmd_numba.campaign import failures
 from gfmd_numba.campaign.failures import Ending
 from gfmd_numba.solvers import status
-from gfmd_numba.solvers.status import Status, flag_attributes
+from gfmd_numba.solvers.status import Status, certified, flag_attributes, withdrawn
 
 
 def test_every_ending_has_a_sentence():
@@ -36,3 +38,14 @@ def test_results_carry_the_sentences():
     attributes = found["status"].attrs
     assert attributes["flag_meanings"].split() == [ended.name for ended in Status]
     assert attributes["flag_sentences"].splitlines()[0] == f"ok: {status.SENTENCES[Status.ok]}"
+
+
+def test_a_residual_is_certified_up_to_the_one_asked_for():
+    found = certified(np.array([0.0, 1e-8, 1.1e-8, np.inf, np.nan]), 1e-8, Status.stagnated)
+    ok, stagnated = Status.ok, Status.stagnated
+    assert found.tolist() == [ok, ok, stagnated, stagnated, Status.nonfinite]
+
+
+def test_a_failed_check_withdraws_ok_and_no_other_status():
+    before, failed = np.array([0, 0, 2], dtype=np.int8), np.array([False, True, True])
+    assert withdrawn(before, failed, Status.too_steep).tolist() == [Status.ok, Status.too_steep, Status.stagnated]

@@ -163,7 +163,7 @@ def test_the_residual_is_the_violation_of_each_condition():
     stiff[0] = 0.0
 
     def residual(u):
-        certificate = Certificate(1, kernels.Conditions(hardness=0.3))
+        certificate = Certificate(1, kernels.ContactLimits(hardness=0.3))
         certificate.look(kernels.SurfaceState.of_normal(u, np.fft.irfft(np.fft.rfft(u) * stiff), punch, load), row, 64)
         return certificate.residual(load, row)[0]
 

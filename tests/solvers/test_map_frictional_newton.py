@@ -72,7 +72,7 @@ def test_a_solver_that_has_ended_leaves_pressures_whatever_it_worked_with(residu
     while solver.residual(np.arange(1))[0] > residual:
         solver.advance(np.arange(1))
     leave_pressures(solver, np.arange(1))
-    pressure = solver.state.ku[0, 0, : 128 * 128]
+    pressure = solver.state.restoring[0, 0, : 128 * 128]
     exact = equilibrate(punch, response, load, NEWTON).pressure.ravel()
     assert np.abs(pressure - exact).max() < 2.0 * residual * exact.max()
 

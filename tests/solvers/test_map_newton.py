@@ -17,7 +17,7 @@ from gfmd_numba.solvers.pressures import Closing
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import Options
 from gfmd_numba.solvers.tiles import newton
-from gfmd_numba.solvers.tiles.compliance import FAR, NEAR, SplitCompliance
+from gfmd_numba.solvers.tiles.compliance import FEW_TILES, MANY_TILES, SplitCompliance
 from support.maps import body, press, rough
 
 NEWTON, GRADIENTS = Options("active_set_newton"), Options("conjugate_gradients")
@@ -34,13 +34,13 @@ def oblong(shape, hurst, seed=3):
 
 @pytest.mark.parametrize("slab", SLABS)
 @pytest.mark.parametrize(("shape", "share"), [((96, 160), 0.5), ((104, 200), 0.02)])
-@pytest.mark.parametrize(("split", "most"), [(NEAR, 0.02), (FAR, 2e-3)])
+@pytest.mark.parametrize(("split", "most"), [(MANY_TILES, 0.02), (FEW_TILES, 2e-3)])
 def test_the_compliance_between_tiles_is_nearly_exact(shape, slab, share, split, most):
     """Compared with the exact convolution, of random pressures and of equal ones, up to a uniform displacement.
 
     Bodies about as thick as the distance that is summed up are softest there.
     """
-    most *= {(0.33, 0.05): 2.0, (0.5, 0.1): 15.0 if split is FAR else 4.0}.get(slab, 1.0)
+    most *= {(0.33, 0.05): 2.0, (0.5, 0.1): 15.0 if split is FEW_TILES else 4.0}.get(slab, 1.0)
     rng = np.random.default_rng(2)
     stiff, tiles_each_way = body(shape, slab), (shape[0] // 8, shape[1] // 8)
     tiles, places = newton.listed(rng.random(tiles_each_way[0] * tiles_each_way[1]) < share)
@@ -181,12 +181,12 @@ def test_sums_in_pieces_close_gaps_in_as_many_steps(monkeypatch, free_mean):
         monkeypatch.setattr(threads, "_PIECE", piece)
         iterate = kernels.Iterate(pressure.copy(), gap.copy(), np.zeros(n), np.zeros(n))
 
-        def soften(iterate=iterate):
+        def apply_compliance(iterate=iterate):
             iterate.st[:] = compliance @ iterate.t
 
         uniform, room = np.zeros(n), np.zeros((2, n))
         inverse.solve(np.ones(n), uniform)
-        closing = Closing(iterate, nodes, inverse, soften, uniform, 0.0, free_mean, room)
+        closing = Closing(iterate, nodes, inverse, apply_compliance, uniform, 0.0, free_mean, room)
         found.append((closing.solve(1e-10, 200), iterate.p[nodes]))
     (steps, whole), (steps_of_pieces, in_pieces) = found
     assert steps_of_pieces == steps < 200

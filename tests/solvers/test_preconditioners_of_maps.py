@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from gfmd_numba.contact import solution
-from gfmd_numba.solvers.tiles import near_field
-from gfmd_numba.solvers.tiles.near_field import FarField, NearField
+from gfmd_numba.solvers import two_level_preconditioner
+from gfmd_numba.solvers.two_level_preconditioner import StencilPreconditioner, TwoLevelPreconditioner
 from support.maps import body, problem
 
 
@@ -14,7 +14,7 @@ def test_neighbours_are_a_stencil_of_the_stiffness_that_is_positive_definite():
     nodes = np.flatnonzero(rng.random(shape) < 0.5)
     for slab in (None, (0.5, 0.01), (0.3, 0.001)):
         symbol = body(shape, slab)
-        inverse = NearField(symbol, shape)
+        inverse = StencilPreconditioner(symbol, shape)
         inverse.factor(nodes, len(nodes))
         matrix = np.empty((len(nodes), len(nodes)))
         for column, unit in zip(matrix, np.eye(len(nodes)), strict=True):
@@ -25,7 +25,7 @@ def test_neighbours_are_a_stencil_of_the_stiffness_that_is_positive_definite():
     symbol[0, 0] = symbol[0, 1]
     near = np.fft.irfft2(symbol, shape)
     near[2:-1], near[:, 2:-1] = 0.0, 0.0
-    inverse = NearField(body(shape), shape)
+    inverse = StencilPreconditioner(body(shape), shape)
     inverse.factor(nodes, len(nodes))
     given, pressure = np.zeros(shape), np.empty(len(nodes))
     given.flat[nodes] = u = rng.normal(size=len(nodes))
@@ -45,13 +45,13 @@ def columns(inverse, nodes):
 @pytest.mark.parametrize("slab", [None, (0.3, 0.1)])
 def test_far_away_contacts_are_taken_into_account_by_blocks(monkeypatch, slab):
     """Against dense algebra."""
-    monkeypatch.setattr(near_field, "_TOLERANCE", 1e-12)
-    monkeypatch.setattr(near_field, "_FEWEST", 32)
+    monkeypatch.setattr(two_level_preconditioner, "_TOLERANCE", 1e-12)
+    monkeypatch.setattr(two_level_preconditioner, "_FEWEST", 32)
     shape, rng = (96, 64), np.random.default_rng(0)
     nodes = np.flatnonzero(np.kron(rng.random((48, 32)) < 0.05, np.ones((2, 2))))
     stiff = body(shape, slab)
     soft = np.divide(1.0, stiff, out=np.zeros_like(stiff), where=stiff > 0.0)
-    near, far = (columns(method(stiff, shape), nodes) for method in (NearField, FarField))
+    near, far = (columns(method(stiff, shape), nodes) for method in (StencilPreconditioner, TwoLevelPreconditioner))
     y, x = np.divmod(nodes, 64)
     belongs = np.eye(96)[y // 8 * 8 + x // 8]
     rows = np.fft.fftfreq(12, 1 / 12).astype(int)

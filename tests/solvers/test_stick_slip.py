@@ -5,12 +5,12 @@ import pytest
 
 from gfmd_numba import kernels
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.solvers.friction.coulomb_cone import Found, FrictionGuess, median_slip_node
+from gfmd_numba.solvers.friction.friction_guess import Found, FrictionGuess, median_slip_node
 from gfmd_numba.solvers.friction.linear_problem import CoupledBody, NearTractions, StickSlip, minimal_residual
 from gfmd_numba.solvers.products import Products
 
 N, FRICTION = 64, 0.3
-COULOMB = kernels.Conditions(friction=FRICTION)
+COULOMB = kernels.ContactLimits(friction=FRICTION)
 BODIES = [ElasticBody(0.2, None), ElasticBody(0.4, 0.1), ElasticBody(0.5, 0.3)]
 
 

@@ -88,8 +88,8 @@ MUTANTS = [
     ),
     (
         "limit_errors.py",
-        "np.where(np.isfinite(before), 0.0, np.inf)",
-        "before",
+        "np.where(np.isfinite(prior_std), 0.0, np.inf)",
+        "prior_std",
         "test_error_budget.py::test_with_exact_exponents_all_is_sampling_and_interactions",
     ),
     # whether any law fits
@@ -102,8 +102,8 @@ MUTANTS = [
     # designs
     (
         "allocation.py",
-        "known = np.diag(ensemble.known[: columns.shape[1]])",
-        "known = 0.0 * np.diag(ensemble.known[: columns.shape[1]])",
+        "np.diag(ensemble.prior_precision[: columns.shape[1]])",
+        "0.0 * np.diag(ensemble.prior_precision[: columns.shape[1]])",
         "test_cross_designs.py::test_a_cheap_cross_level_is_kept_and_one_that_costs_much_and_tells_little_is_not",
     ),
     (

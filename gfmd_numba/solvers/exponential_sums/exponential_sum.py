@@ -20,9 +20,8 @@ class Tuning(NamedTuple):
     """How an active-set Newton method goes on with a preconditioner.
 
     The contact is guessed on a grid with fewer nodes in each direction by the factor `coarsening`. `loose` is the
-    relative error allowed in the first pressure on a new contact. After a step that changed the contact the error
-    allowed is smaller by the factor `tighten`, and at most `ahead` times the share of nodes that changed sides: inner
-    iterations of maps converge slower, and need not know more than the contact.
+    relative error allowed in the first pressure on a new contact. After a step that changed the contact, the allowed
+    error is multiplied by `tighten`, and is at most `ahead` times the fraction of nodes that changed sides.
     """
 
     coarsening: int
@@ -34,9 +33,9 @@ class Tuning(NamedTuple):
 class ExponentialSum:
     """Inverse of sum_s weight_s exp(-rate_s |i - j|) + white delta_ij, close to a compliance, on some nodes.
 
-    The bounds of the ratio of two symbols are those of the ratio of their energies, and remain so if both are
-    restricted to some nodes: as a preconditioner of the restricted compliance its quality depends neither on
-    the nodes nor on their number. Fast decays end where the period is cut, in the widest gap between nodes.
+    The ratio of the two symbols bounds the ratio of their energies, also if both are restricted to some nodes. So the
+    quality of the sum as a preconditioner of the restricted compliance depends neither on the nodes nor on their
+    number. Fast decays end where the period is cut, in the widest gap between nodes.
 
     `compliance` is `[n // 2 + 1]`, zero at q = 0 if the mean pressure is prescribed; nodes are n to a period.
     """

@@ -180,10 +180,10 @@ def decay_newton(batch: Batch, options: Options) -> "DecayNewton | None":
 class DecayNewton:
     """Pressure of a batch, found by solving the contact of a sum of decays and correcting it by transforms.
 
-    Each step takes two transforms for the gap under the pressure. From there one compiled function solves for the
-    contact and pressure that a sum of decays close to the compliance would have. What it errs by is a small share of
-    what the pressure changes by, so that steps gain as many digits as the sum is exact to, whatever the contact. The
-    first guess is the same on coarser grids. `certificate.py` measures the residual once the error expected is small.
+    Each step takes two transforms for the exact gap under the pressure. Then one compiled function solves for contact
+    and pressure with a sum of decays in place of the compliance. The error left is the relative error of the sum times
+    the change of the pressure, so that each step gains the same number of digits, whatever the contact. The first guess
+    is found in the same way on coarser grids. `certificate.py` measures the residual once the expected error is small.
     """
 
     check_every = 1

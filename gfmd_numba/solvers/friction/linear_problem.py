@@ -1,14 +1,19 @@
-"""The linear problem that is left once it is guessed which nodes touch, which of them stick, and which way others slip.
+"""Linear problem of a guess of the contact: which nodes touch, which of them stick, and in which direction others slip.
 
-Unknown are the pressure p of the wall on touching nodes and, with a law of the gap, minus its traction on others; the
-tangential tractions of sticking nodes; and on maps the traction t of a slipping node across the direction e in which it
-slips. Along e it bears -mu p, or at a limit a constant, which may rise with p. The traction of a slip s turns by as
-much as the slip does, t / (mu p) = -ds / s across e, so that the node gives way by t s / (mu p) (Alart & Curnier,
-Comput. Methods Appl. Mech. Eng. 92:353, 1991). Where friction depends on the slip rate, it is linear about the last
-slip: the change of the traction along e is unknown, too, and over its slope by the slip minus the change of the slip.
+The unknowns are
 
-It is solved by generalised minimal residuals, preconditioned by an approximate inverse of the compliance of each
-component on the nodes in contact.
+- the pressure p of each touching node, and with a law of the gap minus the traction of the law on each open node;
+- the tangential traction of each sticking node;
+- on maps, the traction t of each slipping node across its direction of slip e;
+- if friction depends on the slip rate, the change of the traction of each slipping node along e.
+
+A slipping node bears the friction limit -f(p) e along e: -mu p, or a shear strength that may rise with p. Across e, the
+traction turns by the same angle as the slip s, t / f = -ds / s, so that the node gives way by t s / f (Alart & Curnier,
+Comput. Methods Appl. Mech. Eng. 92:353, 1991). Friction that depends on the slip rate is linearised about the last
+slip: the change of the traction along e is minus the change of the slip times the slope of the limit by the slip.
+
+The problem is solved by generalised minimal residuals, preconditioned by an approximate inverse of the compliance of
+each component on the nodes in contact.
 """
 
 import math
@@ -21,27 +26,27 @@ from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
-from gfmd_numba.solvers.friction.coulomb_cone import Bound, FrictionGuess, Tangent
+from gfmd_numba.solvers.friction.friction_guess import FrictionGuess, FrictionLimits, Tangent
 from gfmd_numba.solvers.preconditioners import PRECONDITIONERS, as_stiffness
 
 
 class NearTractions:
-    """Tractions on some nodes that about cause displacements there, each component as if the others were free of them.
+    """Preconditioner: tractions on some nodes that approximately cause displacements there, component by component.
 
-    Of profiles these are the inverses of both compliances, of maps the stiffness between near neighbours, where both
-    tangential components have the mean of their stiffnesses. What couples the components is left out.
-    `normal_of_a_node` and `tangential_of_a_node` are stiffnesses of a node among others that are held. `takes_law`
-    says whether nodes may have a compliance of their own in addition, of either sign.
+    On profiles it inverts the compliance of each component (`ProfileInverse`). On maps it applies the stiffness between
+    near neighbours (`StencilPreconditioner`), the mean of their stiffnesses for both tangential components. The
+    coupling of the components is left out. `normal_of_a_node` and `tangential_of_a_node` are the stiffnesses of a node
+    if all others are held. `takes_law`: nodes may have a compliance of their own in addition, of either sign.
     """
 
     def __init__(self, response: SpectralResponse, shape: tuple[int, ...]) -> None:
         elements, self._kind = response.inverse(), PRECONDITIONERS[len(shape)]
         tangential, normal = self._kind.tangential(elements), elements[-1]
         self._tangential, self._normal = (self._kind.of_component(each, shape) for each in (tangential, normal))
-        share = grid.multiplicity(shape[-1]) / np.prod(shape)
-        self.tangential_of_a_node = float((as_stiffness(tangential) * share).sum())
-        self.normal_of_a_node = float((as_stiffness(normal) * share).sum())
-        # a rigid mean is not one of the sum, in which an attraction would move it
+        weight = grid.multiplicity(shape[-1]) / np.prod(shape)
+        self.tangential_of_a_node = float((as_stiffness(tangential) * weight).sum())
+        self.normal_of_a_node = float((as_stiffness(normal) * weight).sum())
+        # the exponential sum has no rigid mean: an attraction would move it
         self.takes_law = self._normal.takes_own and not response.is_rigid
         self._order: Indices | slice = slice(None)
 
@@ -75,17 +80,17 @@ class NearTractions:
 
 
 def minimal_residual(product: Callable[[Reals], Reals], residual: Reals, aim: float, most: int) -> tuple[Reals, Reals]:
-    """Return directions `[k, unknown]` and how far to go along each `[k]`, so that |residual - product| is at most aim.
+    """Return directions d_k `[k, unknown]` and coefficients c_k, so that |residual - product(sum c_k d_k)| <= aim.
 
-    `product` is called once for each direction, in their order: whoever keeps what it found along the way need not
-    compute it again for the solution. At most `most` directions are tried.
+    `product` is called once for each direction, in their order, so that a caller can keep the products and add them up
+    for the solution. At most `most` directions are tried.
     """
     size = float(np.linalg.norm(residual))
     basis = np.empty((most + 1, residual.size))
     hessenberg = np.zeros((most + 1, most))
-    shares: Reals = np.zeros(0)
+    coefficients: Reals = np.zeros(0)
     if not size > aim:
-        return basis[:0], shares
+        return basis[:0], coefficients
     basis[0] = residual / size
     rotations: list[tuple[float, float]] = []  # that make the matrix triangular
     left = size
@@ -109,8 +114,8 @@ def minimal_residual(product: Callable[[Reals], Reals], residual: Reals, aim: fl
         basis[k + 1] = new / norm
     target = np.zeros(k + 2)
     target[0] = size
-    shares = np.linalg.lstsq(hessenberg[: k + 2, : k + 1], target, rcond=None)[0].astype(np.float64)
-    return basis[: k + 1], shares
+    coefficients = np.linalg.lstsq(hessenberg[: k + 2, : k + 1], target, rcond=None)[0].astype(np.float64)
+    return basis[: k + 1], coefficients
 
 
 _ACROSS = np.array([[-1.0], [1.0]])  # turns a direction (x, y), read from its end, by a right angle
@@ -120,26 +125,26 @@ _STIFF = 0.3
 
 
 class CoupledBody(NamedTuple):
-    """What the linear problems of one row have in common.
+    """The body of one row, which all its linear problems have in common.
 
-    `deflect` turns tractions on the body into displacements, both `[component, n]`; `near` is about its inverse.
+    `deflect` turns tractions on the body into displacements, both `[component, n]`; `near` is an approximate inverse.
     `total` is the sum of the tractions that the load prescribes, None under a prescribed displacement. `drifts`: no
     traction restores the mean tangential displacement, so that the tangential tractions add up to zero.
     """
 
     deflect: Callable[[Reals], Reals]
     near: NearTractions
-    bound: Bound
+    friction: FrictionLimits
     total: float | None
     drifts: bool
 
 
 class NormalRows(NamedTuple):
-    """Conditions of the nodes whose pressure is unknown: own * pressure - closing * displacement = asked `[row]`.
+    """Equations of the nodes whose pressure is unknown: own * pressure - closing * displacement = asked `[row]`.
 
-    The first `held` of the `nodes` are those that the preconditioner takes, after it has been scaled by `soften`;
-    `touching` are the rows of nodes in contact. `known` `[n]` is the traction of the law that is known beforehand.
-    Without a law all but `asked` are the same for each node, and no arrays.
+    The preconditioner is applied to the first `held` of the `nodes`, scaled by `scale` on either side. `touching` are
+    the rows of nodes in contact. `known` `[n]` is the traction of the law on nodes where it is not unknown. Without a
+    law, `own`, `closing`, `scale` and `known` are the same for all nodes, and no arrays.
     """
 
     nodes: Indices
@@ -148,7 +153,7 @@ class NormalRows(NamedTuple):
     asked: Reals
     own: Reals | None = None
     closing: Reals | float = 1.0
-    soften: Reals | float = 1.0
+    scale: Reals | float = 1.0
     known: Reals | float = 0.0
 
     @classmethod
@@ -163,18 +168,18 @@ class NormalRows(NamedTuple):
         first = _ordered(contact | stiff)
         nodes = np.concatenate((first, np.flatnonzero(acts & ~stiff)))
         slope, touches = law.slope[nodes], contact[nodes]
-        scale = np.where(stiff[nodes], -1.0 / np.where(slope == 0.0, 1.0, slope), 1.0)
-        own = np.where(touches, 0.0, scale)
-        closing = np.where(touches, 1.0, -slope * scale)
+        compliance = np.where(stiff[nodes], -1.0 / np.where(slope == 0.0, 1.0, slope), 1.0)
+        own = np.where(touches, 0.0, compliance)
+        closing = np.where(touches, 1.0, -slope * compliance)
         at = guess.normal[nodes]
-        asked = np.where(touches, -at, -scale * law.pull[nodes] - closing * at)
-        soften = 1.0 if near.takes_law else 1.0 / np.sqrt(1.0 + own[: first.size] * near.normal_of_a_node)
+        asked = np.where(touches, -at, -compliance * law.pull[nodes] - closing * at)
+        scale = 1.0 if near.takes_law else 1.0 / np.sqrt(1.0 + own[: first.size] * near.normal_of_a_node)
         known = np.where(contact | ~acts, law.pull, 0.0)
-        return cls(nodes, first.size, np.flatnonzero(touches), asked, own, closing, soften, known)
+        return cls(nodes, first.size, np.flatnonzero(touches), asked, own, closing, scale, known)
 
 
 class StickSlip:
-    """Nodes and loads of one guess, its compliance, and an approximate inverse of that; `law` acts on open nodes."""
+    """Equations of one guess, their left and right side, and an approximate inverse; `law` acts on open nodes."""
 
     def __init__(self, guess: FrictionGuess, law: Tangent | None, body: CoupledBody) -> None:
         self._body, self._shape, components = body, guess.tractions.shape, len(guess.direction)
@@ -185,10 +190,10 @@ class StickSlip:
         self._of_slipping = rows.touching[slips[at]]
         self.stuck, self.slipping = rows.nodes[of_stuck], rows.nodes[self._of_slipping]
         along = guess.direction[:, self.slipping]
-        limit, drag, growth = body.bound.linearised(guess.tractions[-1, self.slipping], guess.slid[self.slipping])
+        limit, drag, growth = body.friction.linearised(guess.tractions[-1, self.slipping], guess.slid[self.slipping])
         self._drag = -drag * along  # tangential traction over pressure
         self._limit = None if limit is None else -limit * along
-        # ways in which slipping nodes have tractions of their own, what they give way by for each, and from where
+        # directions of the unknown tractions of slipping nodes, compliances along these, and the slips they count from
         self._n_across = across = (components - 1) * self.slipping.size
         self._ways = (along[::-1] * _ACROSS[:components])[:, :across]
         self._slip_compliance, self._begun = guess.slip_compliance[self.slipping[:across]], np.zeros(across)
@@ -206,7 +211,7 @@ class StickSlip:
         self._constrain()
 
     def _constrain(self) -> None:
-        """Prepare the sums of tractions that are prescribed, and the uniform displacements that they take."""
+        """Prepare the prescribed sums of tractions, and the tractions of uniform displacements that correct them."""
         components = len(self._drag)
         sums, takers, prescribed = [], [], []
         turning, none = np.zeros(self._turning.size), np.zeros((components, self.stuck.size))
@@ -226,13 +231,13 @@ class StickSlip:
         self._sums = np.array(sums).reshape(shape)
         self._uniform = np.array([self._inverse(each) for each in takers]).reshape(shape)
         self._prescribed = np.array(prescribed, dtype=np.float64)
-        # of uniform displacements that hardly any node takes, least squares take none
+        # least squares: no uniform displacement that hardly changes any sum
         self._taken = np.linalg.pinv(self._sums @ self._uniform.T, rcond=1e-10)
 
     def unknowns(self, tractions: Reals) -> Reals:
         """Return the unknowns `[unknown]` with the prescribed sums that are nearest to tractions `[component, n]`."""
         own = self._along_ways(tractions)
-        own[self._n_across :] = 0.0  # changes of what friction holds
+        own[self._n_across :] = 0.0  # changes of the friction limit
         x = self._join(tractions[-1, self._rows.nodes], tractions[:-1, self.stuck], own)
         return np.asarray(x + (self._taken @ (self._prescribed - self._sums @ x)) @ self._uniform)
 
@@ -294,10 +299,10 @@ class StickSlip:
         rows, (down, sideways, across) = self._rows, self._split(misfit)
         if across.size:
             sideways = np.concatenate((sideways, self._of_ways(self._yield * across)), axis=1)
-        pressure, tractions = self._body.near.solve(rows.soften * down[: rows.held], sideways)
+        pressure, tractions = self._body.near.solve(rows.scale * down[: rows.held], sideways)
         found = np.empty_like(misfit)
         of_nodes, sticking, turning = self._split(found)
-        of_nodes[: rows.held] = rows.soften * pressure
+        of_nodes[: rows.held] = rows.scale * pressure
         of_nodes[rows.held :] = down[rows.held :]
         sticking[:] = tractions[:, : self.stuck.size]
         if across.size:

@@ -9,10 +9,10 @@ from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.slip_rate import SlipRateFriction
 from gfmd_numba.interface.vector_slip import length
-from gfmd_numba.solvers.friction.coulomb_cone import (
-    Bound,
+from gfmd_numba.solvers.friction.friction_guess import (
     Found,
     FrictionGuess,
+    FrictionLimits,
     Tangent,
     median_slip_node,
     on_coarser_grid,
@@ -75,15 +75,14 @@ class FrictionalNewton:
     of each component's compliance; what couples the components is left to the iteration. Then nodes under tension leave
     and overlapping ones join, sticking nodes whose traction is above friction slip, and slipping ones that go along
     with their traction stick. On maps the method also turns the direction of slip. A law of the gap is linear about the
-    last gap; its traction does not count in the bound of friction.
+    last gap; its traction does not count in the friction limit.
 
     The first guess of a profile comes from the waves that a coarser grid holds. There, on maps and with a law it is the
     normal contact under the tangential tractions of the step before, roughly, with all its nodes sticking: so an
     adhesive contact stays on its branch. Where steps come no closer, one node alone changes until fewer want to (Judice
     & Pires 1994). With a law the normal contact is then also found anew, under the tangential tractions found last.
 
-    A node slips from its anchor: where it was before this load, had it moved with the punch since. For a node that
-    touched that is where the punch held it.
+    A node slips from its anchor: its place before this load, moved with the punch since.
     """
 
     check_every = 1
@@ -93,7 +92,7 @@ class FrictionalNewton:
         rows, shape = len(punch), punch.shape[1:]
         if laws.friction is None or not laws.hard_wall:
             raise ValueError("this solver knows friction on a hard wall only")
-        self._bound: Bound = laws.conditions if laws.slip_rate is None else laws.slip_rate
+        self._friction: FrictionLimits = laws.limits if laws.slip_rate is None else laws.slip_rate
         self._law, self._batch = laws.normal_law, batch
         held = response.with_mean(0.0) if response.is_rigid else response
         self._products = products = Products(held, rows, shape, sources=2)
@@ -148,22 +147,22 @@ class FrictionalNewton:
             guess = self._guesses[i]
             ku[i, :-1, :n] = guess.tractions[:-1]
             ku[i, -1, :n] = load[i] - guess.contact * guess.tractions[-1]
-        if isinstance(self._bound, SlipRateFriction):
-            self.certificate.conditions = self._conditions(sure)
+        if isinstance(self._friction, SlipRateFriction):
+            self.certificate.limits = self._limits(sure)
         residual = self.certificate.look(self.state, active, n, strongest)
         for i in sure[residual[stands] > self._asked]:
             self._progress[i].last *= _TIGHTEN
         unsure = np.maximum([each.moved for each in progress], 10.0 * self._asked)
         return np.where(stands, residual, np.maximum(residual, unsure))
 
-    def _conditions(self, rows: Indices) -> kernels.Conditions:
-        """What holds at touching nodes under the pressures and slips of some rows."""
+    def _limits(self, rows: Indices) -> kernels.ContactLimits:
+        """Limits of the tractions of touching nodes under the pressures and slips of some rows."""
         n, (u, ku, _, load, anchor) = self.field.n, self.state
-        bounds = np.zeros((len(u), n))
+        friction_limits = np.zeros((len(u), n))
         for i in rows:
             slip = length(u[i, :-1, :n] - anchor[i, :, :n])
-            bounds[i] = self._bound.friction_bound(load[i] - ku[i, -1, :n], slip)
-        return self.certificate.conditions._replace(bounds=bounds)
+            friction_limits[i] = self._friction.friction_limit(load[i] - ku[i, -1, :n], slip)
+        return self.certificate.limits._replace(friction_limits=friction_limits)
 
     def _is_close(self, progress: _Progress) -> bool:
         return progress.moved < _CLOSE * self._asked
@@ -181,7 +180,7 @@ class FrictionalNewton:
                 if coarse._progress[i].changed <= _SHARE * coarse._guesses[i].contact.sum():
                     break
         self._spent += np.ceil(coarse.n_transforms * grid.relative_cost(coarse.field.n, n)).astype(np.int64)
-        return [coarse._guesses[i].on_finer_grid(batch.punch[i], self._bound) for i in every]
+        return [coarse._guesses[i].on_finer_grid(batch.punch[i], self._friction) for i in every]
 
     def _first_guess(self, i: int) -> FrictionGuess:
         """Guess of the normal contact under the tangential tractions with which the row begins, all nodes sticking."""
@@ -192,7 +191,7 @@ class FrictionalNewton:
         shear = np.zeros_like(state.anchor[i, :, :n])
         if held.any():
             self._products.restore(np.array([i]))
-            shear = np.where(held, state.ku[i, :-1, :n], 0.0)
+            shear = np.where(held, state.restoring[i, :-1, :n], 0.0)
         return self._normal_contact(i, shear)
 
     def _normal_contact(self, i: int, shear: Reals, settled: float = _SETTLED) -> FrictionGuess:
@@ -217,7 +216,7 @@ class FrictionalNewton:
                 break
         self._spent[i] += int(solver.n_transforms[0])
         leave_pressures(solver, row)
-        found, pressure = solver.state.u[0, -1, :n], solver.state.ku[0, -1, :n]
+        found, pressure = solver.state.u[0, -1, :n], solver.state.restoring[0, -1, :n]
         contact = pressure > 0.0
         u = np.where(contact, wall, np.minimum(found + lifted, wall))
         if self._law is not None:
@@ -227,7 +226,7 @@ class FrictionalNewton:
     def _step(self, i: int) -> None:
         guess, progress, n = self._guesses[i], self._progress[i], self.field.n
         total = None if self._batch.load is None else self.state.load[i] * n
-        body = CoupledBody(lambda f: self._products.deflect(i, f), self._near, self._bound, total, self._drifts)
+        body = CoupledBody(lambda f: self._products.deflect(i, f), self._near, self._friction, total, self._drifts)
         wall = self.state.wall[i, :n]
         law = None if self._law is None else Tangent.of(self._law, wall - guess.normal, self._softest)
         problem = StickSlip(guess, law, body)
@@ -247,14 +246,14 @@ class FrictionalNewton:
                 found.append(displaced)
             return problem.correction(problem.restricted(displaced, direction))[0]
 
-        basis, shares = minimal_residual(product, change, aim, min(self._kind.directions, change.size))
-        x += shares @ basis
+        basis, coefficients = minimal_residual(product, change, aim, min(self._kind.directions, change.size))
+        x += coefficients @ basis
         if not np.isfinite(x).all():
             progress.moved = np.nan
             return
-        for share, displaced in zip(shares, found, strict=False):
-            u += share * displaced
-        if self._kind.turns and shares.size:
+        for coefficient, displaced in zip(coefficients, found, strict=False):
+            u += coefficient * displaced
+        if self._kind.turns and coefficients.size:
             u = problem.deflected(x, known=True)
         problem.level(u, problem.correction(asked - problem.restricted(u, x))[1])
         self._revise(i, u, problem.tractions(x))
@@ -267,24 +266,24 @@ class FrictionalNewton:
         wall, anchor, contact = state.wall[i, :n], state.anchor[i, :, :n], guess.contact
         pressure = np.where(contact, tractions[-1], 0.0)
         all_slip = not self._kind.turns and contact.any() and guess.direction[0, contact].all()
-        if self._drifts and all_slip and isinstance(self._bound, kernels.Conditions):
+        if self._drifts and all_slip and isinstance(self._friction, kernels.ContactLimits):
             slid = u[0] - anchor[0]
             u[0] = anchor[0] + (
-                slid - slid[median_slip_node(slid, self._bound.friction_bound(pressure), contact)]
+                slid - slid[median_slip_node(slid, self._friction.friction_limit(pressure), contact)]
             )  # nothing else tells where it is
         found = Found(u, tractions, wall, anchor)
         unsure = _UNSURE * max(self._asked, progress.inner * min(progress.moved, 1.0)) * float(abs(tractions[-1]).max())
-        revision = guess.revision(found, self._bound, self._rounding[i], unsure)
+        revision = guess.revision(found, self._friction, self._rounding[i], unsure)
         nears = not self._is_linear and progress.moved < _CLOSER * progress.nearest
         progress.judge(revision.wrong.size, nears or (revision.wrong.size == 0 and self._is_close(progress)))
         if progress.patience < 0 or (progress.tries > 0 and progress.tries % 3 == 0):  # every third try with a law
             revision.keep(guess, revision.wrong[:-1])
-        if np.isinf(self.certificate.conditions.friction):
+        if np.isinf(self.certificate.limits.friction):
             guess.released |= revision.leaves
             anchor[:, guess.released] = u[:-1, guess.released]
         state.u[i, -1, :n] = np.where(contact & (pressure > 0.0), wall, np.minimum(u[-1], wall))
         state.u[i, :-1, :n] = self._slid_against(guess, found)
-        pull = guess.revise(revision, found, self._bound, self._law)
+        pull = guess.revise(revision, found, self._friction, self._law)
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             state.load[i] = (guess.tractions[-1] - pull).mean()
         if self._law is None:
@@ -308,7 +307,7 @@ class FrictionalNewton:
             return np.where(bears & ~(forth > 0.0), found.anchor, found.u[:-1])
         against = np.divide(forth, (shear**2).sum(axis=0), out=np.zeros_like(forth), where=forth > 0.0)
         size = length(slid)
-        far = (forth > 0.0) & (size * self._near.tangential_of_a_node > self._bound.friction_bound(pressure, size))
+        far = (forth > 0.0) & (size * self._near.tangential_of_a_node > self._friction.friction_limit(pressure, size))
         return np.where(bears & ~far, found.anchor - against * shear, found.u[:-1])
 
     def _begin_anew(self, i: int) -> None:

@@ -1,4 +1,4 @@
-"""The compliance between tiles of a map, nearly, and a preconditioner of it on the nodes in contact."""
+"""The compliance between tiles of a map, nearly: a kernel between near nodes, and a coarser grid for the rest."""
 
 import math
 from collections.abc import Callable
@@ -14,7 +14,6 @@ from gfmd_numba.arrays.threads import team
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.kernels.tiles import TILE
-from gfmd_numba.solvers.tiles.near_field import Blocks, near_stencil
 
 _SAMPLES = 256  # nodes in each direction, of a grid on which the kernel between near tiles is what it is
 
@@ -22,9 +21,9 @@ _SAMPLES = 256  # nodes in each direction, of a grid on which the kernel between
 class Split(NamedTuple):
     """How the compliance is split.
 
-    `coarsening` is of nodes of the map over those of the coarser grid, along each side. The kernel is summed up over
-    tiles up to a `distance`, and fades over that / `sharp`; B-splines have an even `order`. About the relative `error`
-    of a pressure is left. A sharpness of 0 stands for a fitted stencil.
+    `coarsening` is the number of nodes of the map over that of the coarser grid, along each side. The kernel is summed
+    up over tiles up to a `distance`, and fades over distance / `sharp`. B-splines have an even `order`. The pressure is
+    left with about the relative `error`. A `sharp` of 0 stands for a fitted stencil.
     """
 
     coarsening: int
@@ -34,8 +33,8 @@ class Split(NamedTuple):
     error: float
 
 
-FAR, NEAR = Split(8, 8, 2.7, 6, 2e-5), Split(4, 1, 0.0, 4, 5e-3)
-_REACH = 5  # nodes in each direction that the stencil of NEAR sees
+FEW_TILES, MANY_TILES = Split(8, 8, 2.7, 6, 2e-5), Split(4, 1, 0.0, 4, 5e-3)
+_REACH = 5  # nodes in each direction that the stencil of MANY_TILES sees
 _FITTED = 64  # waves in each direction on which that is fitted
 
 
@@ -47,12 +46,12 @@ def fits(shape: tuple[int, ...]) -> bool:
 class SplitCompliance:
     """Displacement on some tiles of a map from the pressure on them, to about the error of a split.
 
-    What pressures do within some tiles is summed up node by node, with a kernel that fades fast. A coarser grid has the
-    rest, as in particle-mesh Ewald sums: B-splines share each pressure among the coarse nodes around it, and read the
-    displacement back (Essmann et al., J. Chem. Phys. 103:8577, 1995). As waves end at Nyquist, displacements alternate
-    along x and y, and fade with the square of the distance only; that is missing far away. `stiffness` is
-    `[ny, nx // 2 + 1]`; waves of zero or infinite stiffness have no displacement. There are (y, x) `tiles_each_way`,
-    which may end along either.
+    As in particle-mesh Ewald sums, the compliance is split in two. Within some tiles, displacements are summed up node
+    by node, with a kernel that fades fast. The rest is found on a coarser grid: B-splines distribute each pressure
+    among the coarse nodes around it, and interpolate the displacement back (Essmann et al., J. Chem. Phys. 103:8577,
+    1995). As waves end at Nyquist, the exact displacement has an alternating part along x and y, which fades with the
+    square of the distance only; far away this part is missing. `stiffness` is `[ny, nx // 2 + 1]`; waves of zero or
+    infinite stiffness have no displacement. There are (y, x) `tiles_each_way`, which may end along either.
     """
 
     def __init__(
@@ -61,7 +60,7 @@ class SplitCompliance:
         shape: tuple[int, ...],
         tiles_each_way: tuple[int, int],
         ends: tuple[bool, bool] = (False, False),
-        split: Split = NEAR,
+        split: Split = MANY_TILES,
     ) -> None:
         self.error, coarsening = split.error, split.coarsening
         self._tiles_each_way, self._ends = tiles_each_way, ends
@@ -80,7 +79,7 @@ class SplitCompliance:
             self._kernel = _near_kernel(stiffness, shape, distance, split.sharp)
         else:
             few = tuple(min(n, _FITTED) for n in shape)
-            stencil = _fitted(shape, _soft(stiffness[grid.some_waves(shape, few)]).tobytes())
+            stencil = _fitted(shape, _compliance(stiffness[grid.some_waves(shape, few)]).tobytes())
             self._kernel, self._reach = np.pad(stencil, self._reach - _REACH), _REACH
         waves = grid.wave_indices(self._coarse_shape)
         angles = _angles(waves, shape)
@@ -88,7 +87,7 @@ class SplitCompliance:
         shared = [
             (np.cos(angle[..., np.newaxis] * nodes) * spline(nodes / coarsening)).sum(axis=-1) for angle in angles
         ]
-        left = _soft(stiffness[waves]) - _transform(self._kernel, *angles)
+        left = _compliance(stiffness[waves]) - _transform(self._kernel, *angles)
         self._far = left * (coarsening / (shared[0] * shared[1])) ** 2
 
     @property
@@ -118,7 +117,7 @@ class SplitCompliance:
 
         def far() -> None:
             kernels.spread(pressure, self._tiles, across, per_tile, weights, coarse, *self._coarse_shape)
-            self._field.stiffen(self._far)
+            self._field.apply_stiffness(self._far)
 
         def near(_: int, first: int, last: int) -> None:
             each = self._tiles[first:last], self._places, self._tiles_each_way, self._ends
@@ -146,7 +145,7 @@ def _spline(order: int) -> Callable[[Reals], Reals]:
     return at
 
 
-def _soft(stiffness: Reals) -> Reals:
+def _compliance(stiffness: Reals) -> Reals:
     with np.errstate(divide="ignore"):
         return np.where(stiffness > 0.0, 1.0 / stiffness, 0.0)
 
@@ -190,7 +189,7 @@ def _fitted(shape: tuple[int, ...], compliance: bytes) -> Reals:
     few = tuple(min(n, _FITTED) for n in shape)
     along_y, along_x = _angles(grid.some_waves(shape, few), shape)
     soft = np.frombuffer(compliance).reshape(along_y.size, along_x.size)
-    kept = np.abs(along_y) / (2.0 * np.pi) * NEAR.coarsening, along_x / (2.0 * np.pi) * NEAR.coarsening
+    kept = np.abs(along_y) / (2.0 * np.pi) * MANY_TILES.coarsening, along_x / (2.0 * np.pi) * MANY_TILES.coarsening
     with np.errstate(divide="ignore"):
         mistaken = [np.where(x < 0.5, (x / (1.0 - x)) ** 4, 1.0) for x in kept]
     weight = np.minimum(mistaken[0] + mistaken[1], 1.0)
@@ -204,72 +203,3 @@ def _fitted(shape: tuple[int, ...], compliance: bytes) -> Reals:
     return np.ascontiguousarray(
         quarter[np.ix_(abs(np.arange(-_REACH, _REACH + 1)), abs(np.arange(-_REACH, _REACH + 1)))]
     )
-
-
-_SIDE = 16  # nodes along each side of a block, two tiles: larger blocks cost iterations, smaller ones do not pay
-
-
-class TileField:
-    """Preconditioner of the compliance on the nodes in contact of some tiles: near neighbours and blocks.
-
-    `stiffness` is `[ny, nx // 2 + 1]`; at q = 0 zero or infinite if it does not count. Tiles are listed row by row,
-    `tiles_across` of them.
-    """
-
-    def __init__(self, stiffness: Reals, shape: tuple[int, ...], tiles_across: int) -> None:
-        self._stencil, self._blocks = near_stencil(stiffness, shape), Blocks(stiffness, shape, _SIDE)
-        self.stiffest = float(self._stencil.max())  # of a node between its neighbours
-        self._across = tiles_across
-        self._nodes = self._tiles = np.empty(0, dtype=np.int64)
-        self._image = np.zeros((1, TILE, TILE))
-        self._isolated = np.empty(0)  # pressure that a uniform displacement takes
-
-    @property
-    def transforms(self) -> int:
-        """Transforms of blocks made so far."""
-        return self._blocks.made
-
-    @property
-    def nodes(self) -> int:
-        """Number of blocks."""
-        return math.prod(self._blocks.shape)
-
-    def factor(self, nodes: Indices, tiles: Indices, around: Indices) -> None:
-        """Prepare `solve` for the nodes in contact of some tiles, and the places of the tiles around each."""
-        if np.array_equal(tiles, self._tiles):
-            if np.array_equal(nodes, self._nodes):
-                return
-            self._image.reshape(-1)[self._nodes] = 0.0
-        else:
-            self._image = np.zeros((tiles.size + 1, TILE, TILE))
-        self._nodes, self._tiles, (down, across) = nodes, tiles, self._blocks.shape
-        self._ends = np.searchsorted(tiles, 2 * self._across * np.arange(down + 1))  # tiles of rows of blocks
-        self._of_tiles = around, tiles // self._across // 2 * across + tiles % self._across // 2
-        self._isolated = np.empty(nodes.size)
-        self._stiff = self._near(np.ones(nodes.size), self._isolated)  # what is summed up is filled just before
-
-    def solve(self, displacement: Reals, pressure: Reals) -> None:
-        """Fill the pressure on the nodes in contact that about causes the displacement there."""
-        sums = self._near(displacement, pressure)
-        if self._blocks.useful:
-            shared = self._blocks.shared(sums, self._stiff).reshape(-1)
-            nodes, isolated, blocks = self._nodes, self._isolated, self._of_tiles[1]
-
-            def some(_: int, a: int, b: int) -> None:
-                kernels.soften_nodes(pressure[a:b], nodes[a:b], isolated[a:b], blocks, shared)
-
-            team().share(some, nodes.size, nodes.size)
-
-    def _near(self, displacement: Reals, pressure: Reals) -> Reals:
-        """Fill the pressure by near neighbours, and return the sums of it over blocks."""
-        sums = np.zeros(self._blocks.shape)
-        image, nodes = self._image.reshape(-1), self._nodes
-        team().in_pieces(lambda some: kernels.put_nodes(displacement[some], nodes[some], image), nodes.size)
-
-        def some(_: int, first: int, last: int) -> None:
-            tiles = self._ends[first], self._ends[last]
-            each = self._of_tiles, self._stencil, self._isolated
-            kernels.near_pressure(self._image, self._nodes, tiles, *each, pressure, sums.reshape(-1))
-
-        team().share(some, self._blocks.shape[0], self._image.size)
-        return sums

@@ -1,4 +1,7 @@
-"""Active-set Newton method for a hard wall that meets maps: exact displacements now and then, near ones in between."""
+"""Active-set Newton method for maps on a hard wall, whose linear problems have an approximate compliance between tiles.
+
+The exact displacement is found once in each iteration.
+"""
 
 import math
 from collections.abc import Callable
@@ -18,15 +21,16 @@ from gfmd_numba.kernels.tiles import TILE
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.pressures import Closing, between
 from gfmd_numba.solvers.table import SOLVERS, Options
-from gfmd_numba.solvers.tiles.compliance import FAR, NEAR, SplitCompliance, TileField, fits
+from gfmd_numba.solvers.tiles.compliance import FEW_TILES, MANY_TILES, SplitCompliance, fits
+from gfmd_numba.solvers.two_level_preconditioner import TiledTwoLevelPreconditioner
 
 T = TypeVar("T", bound=np.generic)
 
-_NEAR = 0.5  # gaps that may close, over the root-mean-square gap to be closed on the contact
+_MAY_CLOSE = 0.5  # gaps that may close, over the root-mean-square gap to be closed on the contact
 _MOST_LEFT = 0.1  # of the error before, by a step that goes on as the last one did
 _LOOSE = 0.2  # relative error allowed in the first pressure on a contact that is not yet known
 _TIGHTEN, _AHEAD = 0.5, 0.1  # largest factor on it after a step that changed the contact; over the share of changes
-_DILUTE = 1 / 64  # share of tiles up to which the compliance that sees far costs little
+_DILUTE = 1 / 64  # share of tiles up to which the closer compliance `of_few_tiles` costs little
 _DENSE = 0.25  # share of tiles of a period beyond which the exact compliance costs less than that between tiles
 _LARGE, _DENSE_NODES, _DENSE_NODES_OF_LARGE = 2**20, 1 / 24, 1 / 10  # share of nodes in contact for the same
 _SAMPLES, _MORE = 256, 1.1  # nodes in each direction of a half-space that feel one; all feel less than this times more
@@ -36,7 +40,7 @@ _STEPS, _ITERATIONS = 12, 60  # at most, between two exact gaps and in one linea
 
 @dataclass
 class TileLevel:
-    """A grid that maps are pressed on: `stiffness` `[ny, nx // 2 + 1]`, and what is made of it once it is asked for.
+    """A grid that maps are pressed on: `stiffness` `[ny, nx // 2 + 1]`, and operators made of it with their first use.
 
     `held` are the nodes (y, x) in a corner, in whole tiles, which alone are ever in contact.
     """
@@ -56,26 +60,26 @@ class TileLevel:
         return self.held[0] // TILE, self.held[1] // TILE
 
     @cached_property
-    def inverse(self) -> TileField:
+    def inverse(self) -> TiledTwoLevelPreconditioner:
         """Preconditioner of the compliance."""
-        return TileField(self.stiffness, self.shape, self.tiles_each_way[1])
+        return TiledTwoLevelPreconditioner(self.stiffness, self.shape, self.tiles_each_way[1])
 
     @cached_property
-    def near(self) -> SplitCompliance:
+    def of_many_tiles(self) -> SplitCompliance:
         """Compliance between tiles."""
-        return SplitCompliance(self.stiffness, self.shape, self.tiles_each_way, self.ends, NEAR)
+        return SplitCompliance(self.stiffness, self.shape, self.tiles_each_way, self.ends, MANY_TILES)
 
     @cached_property
-    def far(self) -> SplitCompliance:
+    def of_few_tiles(self) -> SplitCompliance:
         """Compliance between few tiles, which is closer to the exact one."""
-        return SplitCompliance(self.stiffness, self.shape, self.tiles_each_way, self.ends, FAR)
+        return SplitCompliance(self.stiffness, self.shape, self.tiles_each_way, self.ends, FEW_TILES)
 
     @cached_property
     def largest_traction(self) -> float:
-        """Bound of the tractions that restore a displacement of 1 at most: the sum of the sizes of all of one node.
+        """Bound of the restoring tractions of displacements of at most 1: sum of |K| between a node and all others.
 
-        A half-space has the same on any grid, so that some of its waves do. On large maps other bodies have no bound:
-        it would take as much time as transforms of the displacement, and more memory.
+        It is the same on any grid for a half-space, so that a few of its waves suffice. For other bodies on large maps
+        it is infinite: to find it would take as much time as transforms of the displacement, and more memory.
         """
         few = tuple(min(n, _SAMPLES) for n in self.shape)
         sides = self.stiffness[0, 1:], self.stiffness[1 : self.shape[0] // 2, 0]
@@ -90,7 +94,7 @@ class TileLevel:
 
     def transforms(self) -> float:
         """Transforms of coarser grids made so far, in proportion to the cost of one of this grid."""
-        made = (self.__dict__.get(name) for name in ("inverse", "near", "far"))
+        made = (self.__dict__.get(name) for name in ("inverse", "of_many_tiles", "of_few_tiles"))
         n = math.prod(self.shape)
         return float(sum(each.transforms * grid.relative_cost(each.nodes, n) for each in made if each is not None))
 
@@ -102,10 +106,10 @@ class TileLevel:
 
 
 class MapContact:
-    """Pressure of one map on the tiles that its contact may reach, the gap it leaves there, and its relative error.
+    """Pressure of one map on the tiles that its contact may reach, its relative error, and the gap there.
 
-    The `wall` is `[y, x]` wherever a level is held. `load` is the mean pressure, or None where the position of the
-    punch prescribes the displacement. Values on m tiles are `[m + 1, TILE, TILE]`; the last one is empty.
+    The `wall` is `[y, x]` on the nodes that the level holds. `load` is the mean pressure, or None where the position of
+    the punch prescribes the displacement. Values on m tiles are `[m + 1, TILE, TILE]`; the last one is empty.
     """
 
     def __init__(self, level: TileLevel, wall: Reals, transform: Transform, load: float | None) -> None:
@@ -184,7 +188,9 @@ class MapContact:
 
     def displace(self, load: OnRows | None = None) -> None:
         """Replace what is in the transform, or what `load` puts there, by the displacement that it causes."""
-        self.transform.soften(self._level.stiffness, self._level.ends[0], load)  # some rows are then never loaded
+        self.transform.apply_compliance(
+            self._level.stiffness, self._level.ends[0], load
+        )  # some rows are then never loaded
 
     def _on_rows(self, kernel: Callable[[Reals, Indices, int, int, Reals], None], values: Reals) -> OnRows:
         """Function that puts values of the tiles on some rows of the map, or takes them from there."""
@@ -206,7 +212,7 @@ class MapContact:
         across = self._level.tiles_each_way[1]
         self.count, mean, variance = kernels.gaps_in_contact(self.wall, displacement, self.tiles, self.contact)
         self.approach = mean if self.free_mean else 0.0
-        near = _NEAR * math.sqrt(variance + (mean - self.approach) ** 2)
+        near = _MAY_CLOSE * math.sqrt(variance + (mean - self.approach) ** 2)
         self._marks[:] = self.loaded_tiles().ravel()
 
         def some(_: int, first: int, last: int) -> None:
@@ -225,17 +231,14 @@ class MapContact:
         """Find the gap on the tiles as well as the compliance between them is known."""
         before = self._level.transforms()
         self._choose()
-        self._soften(self.pressure, self._gap)
+        self._apply_compliance(self.pressure, self._gap)
         self._take(self.wall, self._moved)
         self._gap += self._moved
         self.error = self._error()
         self.coarse_transforms += self._level.transforms() - before
 
     def _close_on_tiles(self) -> None:
-        """Change the pressure on the contact of a coarser grid by what the waves that it did not see ask for.
-
-        Nodes under tension leave.
-        """
+        """Correct the pressure on the contact of a coarser grid for the shorter waves; nodes under tension leave."""
         before = self._level.transforms()
         if self.count:
             closing = self._closing()
@@ -255,7 +258,7 @@ class MapContact:
         most = nodes * (_DENSE_NODES if nodes < _LARGE else _DENSE_NODES_OF_LARGE)
         self._exact = not any(self._level.ends) and (share > _DENSE or self.count > most)
         if not self._exact:
-            self._compliance = self._level.far if share < _DILUTE else self._level.near
+            self._compliance = self._level.of_few_tiles if share < _DILUTE else self._level.of_many_tiles
 
     def settle(self, target: float) -> None:
         """Solve for pressure and contact on the tiles, as well as the compliance between them is known.
@@ -275,9 +278,10 @@ class MapContact:
         self.coarse_transforms += self._level.transforms() - counted
 
     def _revise(self, tolerance: float, loosely: bool) -> tuple[int, int]:
-        """Close the gap on the contact, and revise the contact; iterations and changed nodes.
+        """Close the gap on the contact, and revise the contact; return iterations and changed nodes.
 
-        What that changes of the pressure changes the gap, so that, `loosely`, the next change of it costs nothing.
+        After the last iteration the next change of the pressure is known. If it need not be exact (`loosely`), it is
+        added before the contact is revised, and costs nothing.
         """
         closing, contact = self._closing(), _flat(self.contact)
         iterate, nodes = closing.iterate, closing.nodes
@@ -290,7 +294,7 @@ class MapContact:
         changed = closing.revise(contact, 0.0 if self._load is None else self._load * self.transform.n)
         if changed:
             team().in_pieces(lambda some: np.subtract(p[some], before[some], out=before[some]), p.size)
-            closing.soften()
+            closing.apply_compliance()
             closing.open(1.0)
         elif ahead:
             iterate.p[nodes] -= closing.change
@@ -302,19 +306,22 @@ class MapContact:
         nodes, inverse = np.flatnonzero(_flat(self.contact)), self._level.inverse
         inverse.factor(nodes, self.tiles, self._around)
         iterate = kernels.Iterate(*map(_flat, (self.pressure, self._gap, self._direction, self._moved)))
-        soften, room = partial(self._soften, self._direction, self._moved), np.empty((2, nodes.size))
+        apply_compliance, room = (
+            partial(self._apply_compliance, self._direction, self._moved),
+            np.empty((2, nodes.size)),
+        )
         # uniform pressures take off what changes the load
         uniform = np.broadcast_to(1.0, nodes.size)
-        return Closing(iterate, nodes, inverse, soften, uniform, self._rounding, self.free_mean, room)
+        return Closing(iterate, nodes, inverse, apply_compliance, uniform, self._rounding, self.free_mean, room)
 
-    def _soften(self, pressure: Reals, displacement: Reals) -> None:
+    def _apply_compliance(self, pressure: Reals, displacement: Reals) -> None:
         """Fill the displacement that a pressure on the tiles causes there."""
         if not self._exact:
             self._compliance.place(self.tiles, self._places)  # which other maps use too
             self._compliance.apply(pressure, displacement)
             return
         ways = (kernels.put_on_rows, pressure), (kernels.take_from_rows, displacement)
-        self.transform.soften(self._level.stiffness, False, *(self._on_rows(*way) for way in ways))
+        self.transform.apply_compliance(self._level.stiffness, False, *(self._on_rows(*way) for way in ways))
 
     def _error(self) -> float:
         """Relative error of the pressure, of nodes that overlap without being in contact too."""
@@ -324,7 +331,7 @@ class MapContact:
         return max(self._closing().error(), overlap * self._level.inverse.stiffest / float(self.pressure.max()))
 
     def bound(self) -> float:
-        """Bound of the tractions that closing the gap adds anywhere, over the largest pressure, after a look."""
+        """Bound of the tractions K du that closing the gap by du adds anywhere, over the largest pressure."""
         wrong = float(max(kernels.wrong_gaps_of_tiles(self._gap[:-1], self.contact[:-1])))
         return wrong * self._level.largest_traction / max(float(self.pressure.max()), np.finfo(np.float64).tiny)
 
@@ -432,17 +439,19 @@ def tile_newton(batch: Batch, options: Options) -> "TileNewton | None":
 class TileNewton:
     """Pressures of a batch of maps, each found by guessing its contact, as in `active_set_newton.py`.
 
-    An iteration closes the gap on the tiles of the map that the contact may reach, by a compliance between them that
-    is nearly right, and then finds the exact gap everywhere: two transforms of the map, which leave about a hundredth
-    of the error. Where tiles are too many to gain from that, the exact compliance closes the gap. The first guess comes
-    from a cascade of coarser grids. The certificate is looked at once the error of the pressure is that small; until
-    then `residual` is that error. What restores the displacement that a pressure causes is that pressure, so that only
-    what closing the gap adds to it restores more. A bound of that costs nothing; where it is too large, that is
-    transformed.
+    An iteration closes the gap on the tiles that the contact may reach, by an approximate compliance between them
+    (`SplitCompliance`), and then finds the exact gap everywhere: two transforms of the map, which leave about a
+    hundredth of the error. On too many tiles this gains nothing, and the exact compliance closes the gap. The first
+    guess comes from a cascade of coarser grids.
 
-    Of the size of the map are the displacement, which is the gap until the certificate needs it, the memory of the
-    transform, and the pressure, which takes memory only where it has been touched. Without a period the map is the
-    window of the punch, and only the transform is larger.
+    Until the error of the pressure p is below the residual asked for, `residual` is this error; then the certificate is
+    evaluated. The displacement is u = S p + du, where du closes the gaps that are left. Its restoring tractions are
+    K u = p + K du, so that K du alone violates the contact conditions. A bound of |K du| costs nothing
+    (`MapContact.bound`); only if it is too large, du is transformed.
+
+    Three arrays have the size of the map: the displacement, which is the gap until the certificate needs it, the memory
+    of the transform, and the pressure, which takes memory only where it has been touched. Without a period the map is
+    the window of the punch, and only the transform is larger.
     """
 
     check_every = 1
@@ -511,7 +520,7 @@ class TileNewton:
             self._bears[i] = True
             imbalance = 0.0 if held else abs(mean - float(self.load[i]))
             return self.certificate.bounded(i, self.load, bound, float(contact.pressure.max(initial=0.0)), imbalance)
-        transform.stiffen(self._stiffness)
+        transform.apply_stiffness(self._stiffness)
         shift = 0.0 if held else mean  # nothing restores a mean displacement, or it is rigid
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             self.load[i] = mean

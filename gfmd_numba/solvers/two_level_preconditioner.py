@@ -1,4 +1,14 @@
-"""Near neighbours of a map, and what all contacts do to each other on a grid too coarse to see any of them."""
+"""Preconditioners of the compliance on some nodes of a map, in one and in two levels, and on tiles.
+
+The first level is a stencil, the stiffness between near neighbours. The second level is a coarse grid of blocks, whose
+pressures move each other. Each solver of maps takes one of the three classes:
+
+    TiledTwoLevelPreconditioner   tiles/newton.py: active_set_newton on maps that tiles cover, without a hardness
+    TwoLevelPreconditioner        active_set_newton.py: all other maps on a hard wall, without friction
+    StencilPreconditioner         friction/linear_problem.py: one for each displacement component of a map
+
+`preconditioners.py` gives the last two to their solvers, and the preconditioner of profiles to all.
+"""
 
 import math
 from collections.abc import Callable
@@ -8,8 +18,10 @@ import numpy as np
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.arrays.threads import team
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform
+from gfmd_numba.kernels.tiles import TILE
 from gfmd_numba.solvers.exponential_sums.exponential_sum import Tuning
 
 _REACH = 1  # nodes in each direction: more saves a transform in twenty, and costs more than that
@@ -17,15 +29,15 @@ _REACH = 1  # nodes in each direction: more saves a transform in twenty, and cos
 _SAMPLES = 64  # nodes in each direction, of a grid on which the stiffness between neighbours is what it is
 
 
-class NearField:
-    """Preconditioner of the compliance on some nodes: the stiffness between those that are near neighbours.
+class StencilPreconditioner:
+    """First level alone: the stiffness between near neighbours.
 
     In two dimensions stiffness decays with the cube of the distance, so that the rest is small. `stiffness` is
     `[ny, nx // 2 + 1]`; at q = 0 zero or infinite if it does not count.
     """
 
     transforms = 0.0  # it takes none
-    takes_own = False  # compliances that nodes have in addition
+    takes_own = False  # whether `factor` takes compliances that nodes have in addition
 
     def __init__(self, stiffness: Reals, shape: tuple[int, ...]) -> None:
         self._stencil = near_stencil(stiffness, shape)
@@ -56,7 +68,7 @@ def near_stencil(stiffness: Reals, shape: tuple[int, ...]) -> Reals:
     stencil = near[: 2 * _REACH + 1, : 2 * _REACH + 1]
     others = stencil.copy()
     others[_REACH, _REACH] = 0.0
-    # otherwise it may not be positive definite, nor stiffer than its own sum of rows: the node alone is
+    # otherwise the stencil may not be positive definite, nor stiffer than its row sum: take the node itself alone
     if np.abs(others).sum() >= stencil[_REACH, _REACH] or others.max() > 0.0:
         stencil -= others
     return np.ascontiguousarray(stencil)
@@ -68,8 +80,8 @@ _PAIRS = 8  # of loaded blocks, for each block, up to which to sum them takes le
 _ONE = np.zeros(1, dtype=np.int64)
 
 
-class Blocks:
-    """Compliance S between blocks of a map: the sum of pressures is all that is far away felt of a block.
+class BlockCompliance:
+    """Compliance S between blocks of a map: far away, a block acts by the sum of its pressures.
 
     `stiffness` is `[ny, nx // 2 + 1]` of a map of the shape `nodes`, at q = 0 zero or infinite if it does not count;
     `side` the number of nodes along each side of a block, `shape` that of the grid of blocks.
@@ -102,7 +114,7 @@ class Blocks:
     def shared(self, load: Reals, stiff: Reals) -> Reals:
         """Displacement y of blocks with S^-1 y + stiff y = load."""
         where, n = np.flatnonzero(stiff), self._field.n
-        if where.size**2 < _PAIRS * stiff.size:  # the others need not be known
+        if where.size**2 < _PAIRS * stiff.size:  # the displacement of blocks without contact need not be known
             few, found, (r, z) = np.divmod(where, self.shape[1]), np.zeros(n), np.empty((2, where.size))
             r[:] = load.reshape(-1)[where]
             found[where] = _solved(
@@ -111,9 +123,9 @@ class Blocks:
             return found.reshape(self.shape)
         r, z = self._field.sources[0][0, :n], self._field.result[0, :n]
         r[:] = load.ravel()
-        return _solved(self._soften, r, z, stiff.ravel()).reshape(self.shape)
+        return _solved(self._apply_compliance, r, z, stiff.ravel()).reshape(self.shape)
 
-    def _soften(self) -> None:
+    def _apply_compliance(self) -> None:
         self._field.apply(self._compliance, _ONE, source=0)
 
     @cached_property
@@ -122,20 +134,20 @@ class Blocks:
         one = self._field.sources[0][0]
         one[:] = 0.0
         one[0] = 1.0
-        self._soften()
+        self._apply_compliance()
         return self._field.result[0, : self._field.n].reshape(self.shape).copy()
 
 
-def _solved(soften: Callable[[], None], r: Reals, z: Reals, stiff: Reals) -> Reals:
+def _solved(apply_compliance: Callable[[], None], r: Reals, z: Reals, stiff: Reals) -> Reals:
     """Displacement y of blocks with S^-1 y + stiff y = r, by conjugate gradients preconditioned by S.
 
-    `soften` makes z that of the load r, which is lost. S^-1 of a direction is the sum that the direction is of the
-    residuals, so it is never applied.
+    `apply_compliance` makes z = S r; r is overwritten by the residual. Directions are sums of S r, and S^-1 of a
+    direction is the same sum of the residuals r, so that S^-1 is never applied.
     """
     y, direction, unsmoothed = np.zeros((3, r.size))
     first = energy = 0.0
     for iteration in range(_ITERATIONS):
-        soften()
+        apply_compliance()
         energy = kernels.block_direction(r, z, energy, direction, unsmoothed)
         first = first if iteration else energy
         if energy <= _TOLERANCE**2 * first:
@@ -147,21 +159,28 @@ def _solved(soften: Callable[[], None], r: Reals, z: Reals, stiff: Reals) -> Rea
 _SIDE = 8  # nodes along each side of a block
 
 
-class FarField:
-    """Preconditioner of the compliance on some nodes: near neighbours, softened by what they cannot see.
+class TwoLevelPreconditioner:
+    """Both levels: near neighbours, made softer by the displacement that far pressures cause.
 
-    `NearField` A treats each contact as if it were isolated. Pressures far away add a smooth displacement, Q S Q^T of
-    their sums over blocks Q^T p, with the compliance S of the waves that blocks hold. By Woodbury's identity the
-    inverse with both is A - D Q (S^-1 + Q^T D Q)^-1 Q^T D, up to the pressure D of a uniform displacement for A
-    itself; as A - D is positive, so is this. `stiffness` is `[ny, nx // 2 + 1]`; at q = 0 zero or infinite if it does
-    not count.
+    The stencil A treats each contact as if it were isolated. Let Q spread a value of each block over its nodes. The
+    pressures p add the smooth displacement Q S Q^T p, with the compliance S of the waves that blocks hold. By
+    Woodbury's identity the inverse with both levels is
+
+        A - D Q (S^-1 + Q^T D Q)^-1 Q^T D,
+
+    where the diagonal D, the pressure that A gives a uniform displacement, stands for A next to Q. As A - D is
+    positive, so is this inverse. `stiffness` is `[ny, nx // 2 + 1]`; at q = 0 zero or infinite if it does not count.
     """
 
     tuning = Tuning(coarsening=2, loose=0.2, tighten=0.5, ahead=0.1)
     iterations = 40  # of conjugate gradients at most
 
     def __init__(self, stiffness: Reals, shape: tuple[int, ...]) -> None:
-        self._near, self._blocks, self._shape = NearField(stiffness, shape), Blocks(stiffness, shape, _SIDE), shape
+        self._near, self._blocks, self._shape = (
+            StencilPreconditioner(stiffness, shape),
+            BlockCompliance(stiffness, shape, _SIDE),
+            shape,
+        )
         self._uniform, self._stiff, self._place, self._count = np.empty(0), np.empty(0), np.empty(0, dtype=np.int64), 0
 
     @property
@@ -191,3 +210,74 @@ class FarField:
     def _sums(self, values: Reals) -> Reals:
         sums = np.bincount(self._place, values, self._blocks.shape[0] * self._blocks.shape[1])
         return np.asarray(sums, dtype=np.float64).reshape(self._blocks.shape)
+
+
+_SIDE_OF_TILES = (
+    16  # nodes along each side of a block, two tiles: larger blocks cost iterations, smaller ones do not pay
+)
+
+
+class TiledTwoLevelPreconditioner:
+    """The `TwoLevelPreconditioner` on the nodes in contact of some tiles of a map, whose work threads share.
+
+    `stiffness` is `[ny, nx // 2 + 1]`; at q = 0 zero or infinite if it does not count. Tiles are listed row by row,
+    `tiles_across` of them.
+    """
+
+    def __init__(self, stiffness: Reals, shape: tuple[int, ...], tiles_across: int) -> None:
+        self._stencil, self._blocks = near_stencil(stiffness, shape), BlockCompliance(stiffness, shape, _SIDE_OF_TILES)
+        self.stiffest = float(self._stencil.max())  # of a node between its neighbours
+        self._across = tiles_across
+        self._nodes = self._tiles = np.empty(0, dtype=np.int64)
+        self._image = np.zeros((1, TILE, TILE))
+        self._isolated = np.empty(0)  # pressure D of a uniform displacement under the stencil
+
+    @property
+    def transforms(self) -> int:
+        """Transforms of blocks made so far."""
+        return self._blocks.made
+
+    @property
+    def nodes(self) -> int:
+        """Number of blocks."""
+        return math.prod(self._blocks.shape)
+
+    def factor(self, nodes: Indices, tiles: Indices, around: Indices) -> None:
+        """Prepare `solve` for the nodes in contact of some tiles, and the places of the tiles around each."""
+        if np.array_equal(tiles, self._tiles):
+            if np.array_equal(nodes, self._nodes):
+                return
+            self._image.reshape(-1)[self._nodes] = 0.0
+        else:
+            self._image = np.zeros((tiles.size + 1, TILE, TILE))
+        self._nodes, self._tiles, (down, across) = nodes, tiles, self._blocks.shape
+        self._ends = np.searchsorted(tiles, 2 * self._across * np.arange(down + 1))  # tiles of rows of blocks
+        self._of_tiles = around, tiles // self._across // 2 * across + tiles % self._across // 2
+        self._isolated = np.empty(nodes.size)
+        self._stiff = self._near(np.ones(nodes.size), self._isolated)  # what is summed up is filled just before
+
+    def solve(self, displacement: Reals, pressure: Reals) -> None:
+        """Fill the pressure on the nodes in contact that about causes the displacement there."""
+        sums = self._near(displacement, pressure)
+        if self._blocks.useful:
+            shared = self._blocks.shared(sums, self._stiff).reshape(-1)
+            nodes, isolated, blocks = self._nodes, self._isolated, self._of_tiles[1]
+
+            def some(_: int, a: int, b: int) -> None:
+                kernels.subtract_far_pressure(pressure[a:b], nodes[a:b], isolated[a:b], blocks, shared)
+
+            team().share(some, nodes.size, nodes.size)
+
+    def _near(self, displacement: Reals, pressure: Reals) -> Reals:
+        """Fill the pressure by near neighbours, and return the sums of it over blocks."""
+        sums = np.zeros(self._blocks.shape)
+        image, nodes = self._image.reshape(-1), self._nodes
+        team().in_pieces(lambda some: kernels.put_nodes(displacement[some], nodes[some], image), nodes.size)
+
+        def some(_: int, first: int, last: int) -> None:
+            tiles = self._ends[first], self._ends[last]
+            each = self._of_tiles, self._stencil, self._isolated
+            kernels.near_pressure(self._image, self._nodes, tiles, *each, pressure, sums.reshape(-1))
+
+        team().share(some, self._blocks.shape[0], self._image.size)
+        return sums

@@ -1,4 +1,4 @@
-"""What makes a body flow, and the sublayers in which it may."""
+"""Yield stress of a body that may flow, and the sublayers in which it may."""
 
 from dataclasses import dataclass
 
@@ -10,9 +10,9 @@ from gfmd_numba.kernels import Hardening
 
 @dataclass(frozen=True)
 class PlasticSublayers:
-    """J2 plasticity (g E*, g) in sublayers down to a depth (L_x), None: as deep as the largest load asks for.
+    """J2 plasticity (g E*, g) in sublayers down to a depth (L_x), None: as deep as the largest load needs.
 
-    Each step of a loading has so many increments.
+    Each step of a loading is solved in so many `increments`.
     """
 
     hardening: Hardening

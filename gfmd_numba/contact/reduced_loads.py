@@ -1,6 +1,6 @@
-"""What the loads of a scene are in units of L_x, E* and the rms gradient g, and the plasticity that bears them.
+"""Loads and plasticity of a scene in units of L_x, E* and the rms gradient g.
 
-A hardness bears less mean pressure than that at which every node would be plastic.
+A load under a hardness must stay below the one under which every node is plastic.
 """
 
 import math
@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from itertools import accumulate
 
 from gfmd_numba.contact.state import LoadStep
-from gfmd_numba.elasticity.plasticity import PlasticSublayers
+from gfmd_numba.elasticity.plastic_sublayers import PlasticSublayers
 from gfmd_numba.elasticity.scales import Scales
 from gfmd_numba.kernels import Hardening
 from gfmd_numba.scene import Body, Interface, Scene
@@ -43,8 +43,8 @@ def plasticity(scene: Scene, scales: Scales, rms_gradient: float) -> PlasticSubl
 def whole_body_yields(body: Body) -> float:
     """Mean pressure in Pa (E* without moduli) under which a periodic body yields far below its surface; else infinite.
 
-    There the period holds it sideways, so that it bears nu / (1 - nu) of the pressure along the surface, and yields at
-    Y (1 - nu) / (1 - 2 nu).
+    Far below the surface the period prevents lateral strain, so that the lateral stress is nu / (1 - nu) of the
+    pressure, and the body yields at a pressure of Y (1 - nu) / (1 - 2 nu).
     """
     if body.plasticity is None or body.surface_poissons_ratio >= _INCOMPRESSIBLE:
         return math.inf

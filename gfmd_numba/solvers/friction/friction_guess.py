@@ -1,9 +1,10 @@
 """Guess of a frictional contact in Newton's method: which nodes touch, which slip which way, and their tractions.
 
-The law is implicit. A node that slips bears min(mu p, limit + rise p) against its slip since the anchor, a node that
-sticks at most that, and p is the pressure at the end of the step (`kernels/contact_conditions.py`). The anchor is the
-tangential displacement at which the step begins, as far as the body follows the punch. `FrictionGuess.revise` only
-makes the next guess: it scales tractions beyond what friction holds back onto the Coulomb cone.
+The law is implicit: p is the pressure at the end of the step. With the friction limit f(p) of
+`kernels/contact_conditions.py`, a node that slips bears the traction f(p) against its slip since the anchor, and a node
+that sticks at most f(p). The anchor is where the node was when the step began, moved with the punch.
+`FrictionGuess.revise` makes the next guess: it scales tractions t with |t| > f(p) back onto the Coulomb cone,
+t <- t f(p) / |t|.
 """
 
 from dataclasses import dataclass, replace
@@ -16,16 +17,16 @@ from gfmd_numba.fourier.grid import resample
 from gfmd_numba.interface.normal_law import NormalLaw
 from gfmd_numba.interface.slip_rate import SlipRateFriction
 from gfmd_numba.interface.vector_slip import length
-from gfmd_numba.kernels import Conditions
+from gfmd_numba.kernels import ContactLimits
 from gfmd_numba.solvers.iteration import Batch, Start
 
-Bound = Conditions | SlipRateFriction  # what friction holds at a node
+FrictionLimits = ContactLimits | SlipRateFriction  # both have a `friction_limit`
 
 _FAINT = 1e-6  # slope of the law times the largest compliance below which its traction is taken to be known
 
 
 class Found(NamedTuple):
-    """Solution of the linear problem of a guess, and what it is measured by, of one row.
+    """Solution of the linear problem of a guess, with the wall and anchors that it is judged by, of one row.
 
     Displacements `u` and `tractions` are `[component + 1, n]`, tangential ones and then normal ones; nodes slip from
     the `anchor` `[component, n]`.
@@ -58,14 +59,14 @@ class Revision:
 
 @dataclass
 class FrictionGuess:
-    """What is guessed of a row `[n]`, and the tractions found last.
+    """Guess of the contact of a row `[n]`, and the tractions found last.
 
-    `contact` are the nodes that touch; `direction` `[component, n]` is the way each of them slips, 0 where it sticks;
-    `slip_compliance` is the slip over the friction of a slipping node, `slid` the slip at which friction that depends
-    on its rate is linearised. `tractions` `[component + 1, n]` are the tangential ones, then the pressure on touching
-    nodes and minus the traction of a law on others, which is linear about the displacement `normal`. Nodes that are
-    `released` bear no tangential traction: an infinite friction has pulled them off, and they stick where they touch
-    down again.
+    `contact` are the nodes that touch. `direction` `[component, n]` is the direction in which each of them slips, 0
+    where it sticks. `slip_compliance` is the slip over the friction limit of a slipping node, `slid` the slip about
+    which rate-dependent friction is linearised. `tractions` `[component + 1, n]` are the tangential ones, then the
+    pressure on touching nodes and minus the traction of a law on others, which is linear about the displacement
+    `normal`. Nodes that are `released` bear no tangential traction: an infinite friction has pulled them off, and they
+    stick where they touch down again.
     """
 
     contact: Flags
@@ -83,45 +84,47 @@ class FrictionGuess:
         still, none = np.zeros((len(tractions) - 1, n)), np.zeros(n, np.bool_)
         return cls(contact, still, np.zeros(n), tractions, normal, none, np.zeros(n))
 
-    def revision(self, found: Found, bound: Bound, rounding: float, unsure: float) -> Revision:
+    def revision(self, found: Found, friction: FrictionLimits, rounding: float, unsure: float) -> Revision:
         """Return how a solution changes the guess.
 
-        Nodes without pressure leave, and nodes that overlap by more than `rounding` join. One that joins sticks where
-        it slid less than friction times its overlap, and slips otherwise: a trial traction as stiff along the surface
-        as across. A node that sticks gives way where its traction is above friction by more than it is `unsure`.
+        Nodes without pressure leave, and nodes that overlap by more than `rounding` join. A node that joins sticks if
+        it slid by less than friction times its overlap, and slips otherwise: as if its trial traction were as stiff
+        along the surface as across. A sticking node gives way if its traction exceeds its limit by more than `unsure`.
         """
         pressure, shear = np.where(self.contact, found.tractions[-1], 0.0), found.tractions[:-1]
         slid, overlap = found.u[:-1] - found.anchor, found.u[-1] - found.wall
         size, strength = length(slid), length(shear)
         slips = self.contact & self.direction.any(axis=0)
-        held = bound.friction_bound(pressure, np.where(slips, size, 0.0))
+        limit = friction.friction_limit(pressure, np.where(slips, size, 0.0))
         leaves = self.contact & ~(pressure > 0.0)
         joins = ~self.contact & (overlap > rounding)
-        gives_way = self.contact & ~slips & ~leaves & (strength > held + unsure)
+        gives_way = self.contact & ~slips & ~leaves & (strength > limit + unsure)
         turns_back = slips & ~((self.direction * slid).sum(axis=0) > 0.0)
         goes_on = slips & ~turns_back & ~leaves
-        starts = joins & (size > bound.friction * np.where(joins, overlap, 1.0))
+        starts = joins & (size > friction.friction * np.where(joins, overlap, 1.0))
         direction, slip_compliance = np.zeros_like(self.direction), np.zeros_like(size)
         for where, way, of in ((goes_on | starts, slid, size), (gives_way, -shear, strength)):
             direction[:, where] = way[:, where] / of[where]
-        slip_compliance[goes_on] = size[goes_on] / held[goes_on]
+        slip_compliance[goes_on] = size[goes_on] / limit[goes_on]
         wrong = leaves | joins | gives_way | turns_back
-        if isinstance(bound, Conditions) and np.isfinite(bound.limit):
-            slope = bound.friction - bound.rise
-            before, now = slope * np.array([self.tractions[-1], pressure]) - bound.limit
+        if isinstance(friction, ContactLimits) and np.isfinite(friction.shear_strength):
+            slope = friction.friction - friction.shear_rise
+            before, now = slope * np.array([self.tractions[-1], pressure]) - friction.shear_strength
             wrong |= goes_on & ((before > 0.0) != (now > 0.0)) & (abs(now) > unsure)
         begun = np.where(goes_on | starts, size, 0.0)
         return Revision(leaves, joins, direction, slip_compliance, begun, np.flatnonzero(wrong))
 
-    def revise(self, revision: Revision, found: Found, bound: Bound, law: NormalLaw | None) -> Reals | float:
+    def revise(
+        self, revision: Revision, found: Found, friction: FrictionLimits, law: NormalLaw | None
+    ) -> Reals | float:
         """Follow a revision; return the traction `[n]` of the law on touching nodes."""
         before, wall = self.contact, found.wall
         self.contact = (before | revision.joins) & ~revision.leaves
         self.direction, self.slip_compliance = revision.direction, revision.slip_compliance
         self.slid = revision.slid
         pressure = np.where(before, np.maximum(found.tractions[-1], 0.0), 0.0)
-        held, strength = bound.friction_bound(pressure, self.slid), length(found.tractions[:-1])
-        part = np.divide(held, strength, out=np.ones_like(held), where=strength > held)
+        limit, strength = friction.friction_limit(pressure, self.slid), length(found.tractions[:-1])
+        part = np.divide(limit, strength, out=np.ones_like(limit), where=strength > limit)
         self.tractions = np.array([*(part * found.tractions[:-1]), pressure])
         if law is None:
             self.normal = np.where(self.contact, wall, found.u[-1])
@@ -132,7 +135,7 @@ class FrictionGuess:
         self.tractions[-1] = np.where(self.contact, pressure, -pull)
         return np.where(self.contact, pull, 0.0)
 
-    def on_finer_grid(self, wall: Reals, bound: Bound) -> Self:
+    def on_finer_grid(self, wall: Reals, friction: FrictionLimits) -> Self:
         """The same of a profile under a wall `[x]` on a finer grid."""
         n, m = wall.size, self.contact.size
         x = np.arange(n) * (m / n)
@@ -140,7 +143,7 @@ class FrictionGuess:
         tractions = np.array([np.interp(x, np.arange(m + 1), np.append(row, row[0])) for row in self.tractions])
         contact = self.contact[nearest] & (tractions[-1] > 0.0)
         tractions *= contact
-        most = bound.friction_bound(tractions[-1], self.slid[nearest])
+        most = friction.friction_limit(tractions[-1], self.slid[nearest])
         tractions[:-1] = np.clip(tractions[:-1], -most, most)
         guess = self.sticking(contact, tractions, wall)
         guess.slid = self.slid[nearest] * contact
@@ -148,11 +151,11 @@ class FrictionGuess:
         return guess
 
 
-def median_slip_node(slid: Reals, held: Reals, contact: Flags) -> int:
+def median_slip_node(slid: Reals, limit: Reals, contact: Flags) -> int:
     """Node whose slip has as much friction on either side: if it sticks, that of all nodes adds up to zero."""
     nodes = np.flatnonzero(contact)
     order = nodes[np.argsort(slid[nodes], kind="stable")]
-    borne = np.cumsum(held[order])
+    borne = np.cumsum(limit[order])
     return int(order[min(np.searchsorted(borne, 0.5 * borne[-1]), order.size - 1)])
 
 
@@ -164,7 +167,7 @@ def on_coarser_grid(batch: Batch, anchor: Reals, nx: int) -> Batch:
 
 
 class Tangent(NamedTuple):
-    """A law of the gap near the last gaps: its traction `pull` `[n]`, and what that rises by as the gap closes.
+    """A law of the gap, linear about the last gaps: its traction `pull` `[n]`, and its `slope` as the gap closes.
 
     Where the `slope` `[n]` is 0 the traction is known.
     """

@@ -584,16 +584,18 @@ def _warned(dataset: xr.Dataset) -> xr.Dataset:
 
 def _failures(dataset: xr.Dataset) -> Iterator[str]:
     """How runs failed, and at which steps or loads of a path, or how many of a campaign."""
-    status = dataset.get("status")
-    for i, ending in enumerate([] if status is None else status.attrs["flag_sentences"].split("\n")):
-        ended = dataset["status"] == i
+    if "status" not in dataset:
+        return
+    status = dataset.variables["status"]
+    for i, ending in enumerate(status.attrs["flag_sentences"].split("\n")):
+        ended = status.values == i
         if i == 0 or not ended.any() or ending.startswith("not_asked"):
             continue
-        match ended.dims:
+        match status.dims:
             case ():
                 where = ""
             case (along,):
-                where = f" at {along} " + ", ".join(f"{place:.4g}" for place in ended[along].values[ended])
+                where = f" at {along} " + ", ".join(f"{place:.4g}" for place in dataset[along].values[ended])
             case _:
                 where = f" in {int(ended.sum())} of {ended.size} simulations"
         name, _, sentence = ending.partition(": ")

@@ -25,7 +25,7 @@ Node n has the weight w_n ~ volume times prior times exp(-chi_n^2 / 2), sum_n w_
 
 Where groups share exponents, the chi_n^2 of all groups add up in w_n. The error d_ni is 0.3 of the distance from the
 finest level of limit i to its limit. It is less under the law of the unseen slope, and the whole distance if the data
-press an exponent against the end of its range. The largest disagreement with another fit is r. Both are found in
+press an exponent against the end of its range; thin layers add an error to that of eps_t. The largest disagreement with another fit is r. Both are found in
 `limit_errors.py`, whose `error_budget` divides error^2 among the sources. The residuals of the solvers are not part of
 error^2: a note tells of them where they count.
 

@@ -1,7 +1,13 @@
 """From the results of one round to the next: whether the target is reached, and what to do if not.
 
 A run that was killed and resumes must decide as it would have done, so nothing that is measured in seconds enters.
-Instead work has a price, which follows from transforms and grids. Decisions follow from the predicted error, hence from
+Instead work has a price, which follows from transforms and grids.
+
+If the extrapolation of a group leaves more than 0.7 of the target open, finer levels come first. If it leaves less,
+the next round has more surfaces where these alone are expected to reach the target and finer levels would add more
+than half of their price; otherwise finer levels (`_decided`).
+
+Decisions follow from the predicted error, hence from
 the covariance of all results. The rounds are few and each is much larger than the one before, so that stopping hardly
 biases a mean (Collier, Haji-Ali, Nobile, von Schwerin & Tempone 2015 lower their tolerance in the same way).
 """

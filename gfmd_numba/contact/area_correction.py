@@ -27,6 +27,7 @@ smooth weights over the distance hardly feels. `contact_area` extrapolates it to
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -41,6 +42,7 @@ _NEAREST = 0.5  # node spacings from the edge on, up to `_LEAST_NODES`, from whi
 _ROUNDS, _SETTLED = 8, 0.1  # of the extrapolation, and node spacings by which the last one may still move an edge
 HALF_SPACE_TO_EDGES = 0.02  # of the half-space's excess: bodies thinner than some twenty nodes have another p^2
 _STRETCHED = np.linspace(0.0, 1.0, 11)  # |r - 1| / (r + 1); 0 is isotropic, 1 an edge along an axis
+_WAVES = np.geomspace(1e-4, 1e10, 1200)  # over the spacing, from waves beyond any contact to those no layer is thin to
 _ZONES = 20  # along a direction, beyond which waves and their aliases are independent
 _HALF = 0.1900092859259187  # 1/4 - sum_k (Si(k pi) / pi - 1/2)
 
@@ -85,21 +87,25 @@ def edge(stiffness: Callable[[Reals], Reals], spacing: float, dimension: int) ->
 
     All bodies are half-spaces to their shortest waves: what base and layers add to ln K they add to that of its edge.
     """
-    q = np.geomspace(1e-4, 1e10, 1200)  # over the spacing, from waves beyond any contact to those no layer is thin to
-    added = np.log(stiffness(q / spacing) / half_space(q / spacing))
-    if not added.any():
-        return HALF_SPACE
+    added = np.log(stiffness(_WAVES / spacing) / half_space(_WAVES / spacing))
+    return _edge(added.tobytes(), spacing, dimension) if added.any() else HALF_SPACE
+
+
+@lru_cache(maxsize=4)
+def _edge(added: bytes, spacing: float, dimension: int) -> Edge:
+    """The same from what is added to ln K at each of the waves, in float64: all steps of a path have the same."""
+    known = np.frombuffer(added)
 
     def logarithm(wave: Reals) -> Reals:
-        return np.asarray(np.interp(np.log(wave), np.log(q), added))
+        return np.asarray(np.interp(np.log(wave), np.log(_WAVES), known))
 
     zone = np.pi * _CUBES  # ln K has a logarithm's singularity at 0
     second = HALF_SPACE.second + float(_WEIGHTS @ (logarithm(zone) * np.cos(zone)))
-    on_axis = HALF_SPACE.excess + _along(0.0, logarithm)
+    on_axis = HALF_SPACE.excess + float(_along(np.zeros(1), logarithm)[0])
     of_sides = [on_axis]
     if dimension == 2:
         directions = 0.5 * np.pi * _CUBES  # edges of long contacts mostly face along an axis
-        each = np.array([_along(direction, logarithm) for direction in directions]) * 0.5 * np.pi * _WEIGHTS
+        each = _along(directions, logarithm) * 0.5 * np.pi * _WEIGHTS
         for stretched, bias in zip(_STRETCHED[:-1], HALF_SPACE.of_sides, strict=False):
             r = (1.0 + stretched) / (1.0 - stretched)
             rho = np.hypot(np.cos(directions) / r, np.sin(directions))
@@ -110,17 +116,17 @@ def edge(stiffness: Callable[[Reals], Reals], spacing: float, dimension: int) ->
     return Edge(on_axis, second, tuple(of_sides), 0.25 * abs(steepness) / np.pi)
 
 
-def _along(direction: float, logarithm: Callable[[Reals], Reals]) -> float:
-    """The integral e of a logarithm of q, for an edge whose normal has a `direction` (rad) to the x axis."""
+def _along(directions: Reals, logarithm: Callable[[Reals], Reals]) -> Reals:
+    """The integral e of a logarithm of q, for edges whose normals have `directions` (rad) to the x axis."""
     period = 2.0 * np.pi
     near, share = np.concatenate([-_CUBES[::-1], _CUBES]), np.concatenate([_WEIGHTS[::-1], _WEIGHTS])
     q = (period * np.arange(1, _ZONES)[:, np.newaxis] + np.pi * near).ravel()  # before them, waves are their own alias
     dq = np.pi * np.tile(share, _ZONES - 1)
     last = period * (_ZONES - 0.5)
-    x, y = q * np.cos(direction), q * np.sin(direction)
+    x, y = q * np.cos(directions)[:, np.newaxis], q * np.sin(directions)[:, np.newaxis]
     alias = logarithm(np.hypot(x - period * np.round(x / period), y - period * np.round(y / period)))
     beyond = (_WEIGHTS @ logarithm(last / _CUBES) - alias @ dq / dq.sum()) / last
-    return float(((logarithm(q) - alias) / q**2) @ dq + beyond) / np.pi
+    return np.asarray(((logarithm(q) - alias) / q**2) @ dq + beyond) / np.pi
 
 
 def contact_length(

@@ -109,9 +109,9 @@ class SelfAffineWaves:
 
     def without_shortest(self, halvings: int) -> Self | None:
         """The same up to half its largest index, so often; a power law keeps at least an octave if it can."""
-        cut_off = self.shortest_wave_index >> halvings
-        cut_on = min(self.longest_wave_index, float(max(math.ceil(self.anisotropy), cut_off // 2)))
-        return None if cut_on > cut_off else replace(self, longest_wave_index=cut_on, shortest_wave_index=cut_off)
+        shortest = self.shortest_wave_index >> halvings
+        longest = min(self.longest_wave_index, float(max(math.ceil(self.anisotropy), shortest // 2)))
+        return None if longest > shortest else replace(self, longest_wave_index=longest, shortest_wave_index=shortest)
 
     def power(self, shape: Shape) -> Reals:
         """Mean power per mean square height (3.28)."""

@@ -323,9 +323,9 @@ class Discretisation(BaseModel):
     @property
     def waves(self) -> dict[str, float]:
         """Unrounded k_l, k_s and nx under the discretisation that each needs beyond those before it."""
-        cut_on = 1 / self.eps_t
-        cut_off = cut_on / self.eps_f
-        return {"eps_t": cut_on, "eps_f": cut_off, "eps_c": 2 * cut_off / self.eps_c}
+        longest = 1 / self.eps_t
+        shortest = longest / self.eps_f
+        return {"eps_t": longest, "eps_f": shortest, "eps_c": 2 * shortest / self.eps_c}
 
     @property
     def longest_wave_index(self) -> int:

@@ -2,9 +2,9 @@
 
 A contact is `ok` once its residual is at most `numerics.residual`, by default 1e-8. The residual is the largest of
 
-    violation / peak pressure,    |imbalance| / load,    and the drift,
+    violation / peak,    |imbalance| / load,    and the drift,
 
-which `Certificate` explains. `status.py` lists the later checks that may withdraw `ok`. The certificate does not depend
+which `Certificate` explains. The peak is the largest pressure, or the strongest traction of a law if that is larger. `status.py` lists the later checks that may withdraw `ok`. The certificate does not depend
 on how a solver keeps bodies from penetrating: Newton's methods choose the nodes that touch and solve for their
 pressures (`active_set_newton.py`), and time steps clip displacements at the wall (`kernels/steps.py`).
 """

@@ -1,4 +1,4 @@
-"""Preconditioners of Newton's methods: approximate inverses of a compliance on some nodes, by the dimension.
+"""Preconditioners for a hard wall: approximate inverses of a compliance on some nodes, by the dimension.
 
     dimension   normal displacement alone   one component among others   file
     1           ProfileInverse              ProfileInverse               exponential_sums/exponential_sum.py

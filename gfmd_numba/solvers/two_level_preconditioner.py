@@ -1,13 +1,15 @@
 """Preconditioners of the compliance on some nodes of a map, in one and in two levels, and on tiles.
 
 The first level is a stencil, the stiffness between near neighbours. The second level is a coarse grid of blocks, whose
-pressures move each other. Each solver of maps takes one of the three classes:
+pressures move each other. The solvers of a hard wall, with or without friction, take one of the three classes on maps:
 
     TiledTwoLevelPreconditioner   tiles/newton.py: active_set_newton on maps that tiles cover, without a hardness
     TwoLevelPreconditioner        active_set_newton.py: all other maps on a hard wall, without friction
     StencilPreconditioner         friction/linear_problem.py: one for each displacement component of a map
 
-`preconditioners.py` gives the last two to their solvers, and the preconditioner of profiles to all.
+`preconditioners.py` gives the last two to their solvers, and the preconditioner of profiles to all. Laws
+(`parallel_law.py`), steady sliding (`sliding_newton.py`) and a map that processes share (`distributed_newton.py`) have
+preconditioners of their own.
 """
 
 import math

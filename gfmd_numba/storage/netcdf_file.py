@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from threading import RLock
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,6 +33,22 @@ def read_dataset(path: str | os.PathLike[str], most: float, decode_times: bool =
         return dataset.load()
 
 
+class _Written:
+    """The numbers of variables, written when all of these are defined: a file changes between the two at a cost."""
+
+    def __init__(self) -> None:
+        self._pairs: list[tuple[Any, Any]] = []
+
+    def add(self, source: Any, target: Any, region: None = None) -> None:
+        """Remember what is to be written."""
+        self._pairs.append((source, target))
+
+    def sync(self) -> None:
+        """Write it."""
+        for source, target in self._pairs:
+            target[...] = source
+
+
 def content_of(dataset: xr.Dataset) -> memoryview:
     """Return the content of the netCDF-4 file of a dataset, as `Dataset.to_netcdf` makes it.
 
@@ -44,14 +60,15 @@ def content_of(dataset: xr.Dataset) -> memoryview:
     import netCDF4
     from xarray.backends import NetCDF4DataStore
 
-    dataset = dataset.copy()
+    dataset, numbers = dataset.copy(), _Written()
     for variable in dataset.variables.values():
         if variable.dtype.kind in "UO":
             variable.encoding = {"dtype": "S1"}
     with _ONE_THREAD:
         file = netCDF4.Dataset("in memory", "w", memory=1)
         try:
-            dataset.dump_to_store(NetCDF4DataStore(file))
+            dataset.dump_to_store(NetCDF4DataStore(file), writer=numbers)
+            numbers.sync()
         finally:
             content: memoryview = file.close()
     return content

@@ -1,9 +1,9 @@
 """Time step and damping of the position Stormer-Verlet scheme, for modes of unit mass (thesis 6.2, 6.3).
 
 The scheme is u[n+1] = u[n] + (1 - eta dt^2) (u[n] - u[n-1]) + dt^2 F[n], so that the damping eta is c / dt with the
-damping rate c of u'' = F - c u'.
-`solvers/dynamics.py` takes a fraction of the largest stable step, and of the damping at which the softest mode that is
-restored is critically damped.
+damping rate c of u'' = F - c u'. `solvers/dynamics.py` takes the fraction `numerics.time_step` (0.95) of the largest
+stable step, and the fraction `numerics.damping` (0.5) of the damping at which the softest mode that is restored is
+critically damped.
 """
 
 import math

@@ -127,6 +127,7 @@ def test_segments_of_contacts_made_by_hand_are_found():
     assert segments["length"].values == pytest.approx(np.sqrt(2) * np.array([1, 2, 4, 8]) / 16)
 
 
+@pytest.mark.long
 def test_picture_has_a_colour_for_each_step(path):
     figure = plot_statistics(gfmd_numba.contact_statistics(path))
     pressure, gap, length = figure.axes

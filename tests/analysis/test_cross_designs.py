@@ -50,6 +50,7 @@ def test_cross_levels_get_more_realisations_where_the_error_is_that_of_interacti
     assert fewest[1] > 3 * fewest[0]
 
 
+@pytest.mark.long
 def test_a_cross_level_at_nyquist_is_never_worth_a_surface():
     dataset, seconds = priced(crossed({"eps_c": 1, "eps_t": 1}, *CROSS))
     design = cheapest_design(dataset, seconds, target=0.02, variable="kappa_r", fixed=ALPHA)

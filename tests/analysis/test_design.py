@@ -54,6 +54,7 @@ def test_the_target_is_met_with_fewer_fine_levels_and_so_cheaper_than_by_equal_n
     assert design.seconds * by_design**2 < 0.8 * 200 * sum(pilot()[1]) * by_equal_numbers**2
 
 
+@pytest.mark.long
 def test_a_level_that_costs_much_and_tells_little_is_left_out():
     levels = LEVELS | {"eps_c": [1 / 2, 1 / 4, 1 / 8, 1 / 4096]}
     dataset = noisy(campaign(realisations=40, levels=levels, cross=CROSS), np.random.default_rng(5))

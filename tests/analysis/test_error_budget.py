@@ -111,7 +111,9 @@ def test_a_limit_that_is_not_varied_has_an_unknown_part():
 )
 def test_the_part_of_the_residual_is_the_most_that_the_means_can_add_up_to(variable, fixed):
     rng = np.random.default_rng(4)
-    dataset = noisy(campaign(realisations=30, cross=CROSS), rng, spread=0.02, own=0.005)
+    levels = {"eps_c": [1 / 2, 1 / 4, 1 / 8], "eps_f": [1 / 512, 1 / 1024, 1 / 2048]}
+    cross = [{"eps_c": 1 / 4, "eps_f": 1 / 512}]
+    dataset = noisy(campaign(levels=levels, realisations=30, cross=cross), rng, spread=0.02, own=0.005)
     dataset["kappa_r"] = 0.7 * dataset["kappa"]
     share = 1e-6 * rng.random(dataset["kappa"].shape)
     dataset["kappa_residual_error"] = share * dataset["kappa"]

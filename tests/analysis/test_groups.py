@@ -26,6 +26,7 @@ def test_a_parameter_unknown_to_analysis_forms_groups_and_keeps_its_attributes(t
     assert set(axes(fitted)) == set(axes(toy))
 
 
+@pytest.mark.long
 def test_a_parameter_unknown_to_analysis_is_drawn_and_printed_by_its_symbols(toy, capsys):
     fitted = fit_tfc(toy, fixed=ALPHA)
     figure = plot_campaign(toy, fitted)

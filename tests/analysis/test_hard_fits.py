@@ -171,6 +171,7 @@ def test_the_scatter_of_means_is_that_of_each_design_about_its_own_mean():
     np.testing.assert_allclose(scatter_of_means(values, covariance, of_means), expected, rtol=1e-12)
 
 
+@pytest.mark.long
 def test_a_campaign_in_full_contact_is_fitted():
     """Kappa is the same in every case, so that no correction is left and no exponent can be found."""
     dataset = campaign()

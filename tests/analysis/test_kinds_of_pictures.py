@@ -15,6 +15,7 @@ from gfmd_numba.analysis import UnusableDataError, leakage, plot_accuracy, plot_
 from gfmd_numba.analysis.plots.kinds import KINDS, picture_of, second_picture_of
 from gfmd_numba.analysis.plots.style import log_ticks, ordered_colours
 from support import synthetic_campaigns
+from support.cases import some_of
 from support.command_line import gfmd
 from support.legible import faults
 
@@ -151,7 +152,7 @@ def test_the_picture_of_a_path_is_its_loop_and_a_second_one_its_last_step(
     assert second_picture_of(last) is None
 
 
-@pytest.mark.parametrize("dimension", [1, 2])
+@pytest.mark.parametrize("dimension", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_the_steps_of_friction_say_the_tangential_traction_and_what_sticks(dimension, tmp_path):
     scene = RUBBING | {"dimension": dimension}
     (tmp_path / "rub.yaml").write_text(json.dumps(FILE | {"scene": scene, "path": [{"sliding": 1e-3}]}))
@@ -170,7 +171,7 @@ def test_ordered_colours_fall_apart_in_grey(count):
     assert (np.diff(lightness) > 0.4 / count).all()
 
 
-@pytest.mark.parametrize(("low", "high"), [(1.01, 1.4), (0.3, 9.0), (1e-9, 1e-3)])
+@pytest.mark.parametrize(("low", "high"), some_of([(1.01, 1.4), (0.3, 9.0), (1e-9, 1e-3)], 1))
 def test_a_logarithmic_axis_has_at_least_two_labels_that_do_not_collide(low, high):
     figure = Figure((4.0, 3.0), layout="constrained")
     axis = figure.subplots()
@@ -208,7 +209,7 @@ def test_every_curve_of_a_study_is_drawn_however_many_there_are():
     assert len(axis.lines) == 10
 
 
-@pytest.mark.parametrize("hursts", [(0.3, 0.8), (0.8,)])
+@pytest.mark.parametrize("hursts", [pytest.param((0.3, 0.8), marks=pytest.mark.long), (0.8,)])
 def test_the_picture_of_a_fit_shows_every_limit_with_its_error(hursts):
     fit = _fit(hursts)
     (axis,) = plot_fit(fit).axes

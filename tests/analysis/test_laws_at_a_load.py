@@ -23,27 +23,25 @@ CAMPAIGN = {
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("loads")
-    heavy = CAMPAIGN | {"scene": CAMPAIGN["scene"] | {"loading": {"pressure": 2e6}}}
-    along = CAMPAIGN | {"path": [{"pressure": 2e6}]}
-    runs = {"light": CAMPAIGN, "heavy": heavy, "path": along}
-    return {name: gfmd_numba.run(file, folder / name).load() for name, file in runs.items()}
+def light(tmp_path_factory):
+    return gfmd_numba.run(CAMPAIGN, tmp_path_factory.mktemp("light") / "out")
 
 
-def test_an_area_at_one_load_has_the_limit_of_kappa(results):
-    kappa, area = (gfmd_numba.fit_tfc(results["light"], name) for name in ("kappa", "contact_area_fraction"))
-    load = results["light"]["reduced_pressure"].values[0]
+def test_an_area_at_one_load_has_the_limit_of_kappa(light):
+    kappa, area = (gfmd_numba.fit_tfc(light, name) for name in ("kappa", "contact_area_fraction"))
+    load = light["reduced_pressure"].values[0]
     assert area["law"].sel(limit="eps_f").item() == "unseen slope"
     np.testing.assert_allclose(area["contact_area_fraction_tfc"], load * kappa["kappa_tfc"], rtol=1e-9)
     np.testing.assert_allclose(area["contact_area_fraction_tfc_error"], load * kappa["kappa_tfc_error"], rtol=1e-6)
 
 
-def test_a_step_of_a_path_has_the_law_of_its_own_load(results):
+@pytest.mark.long
+def test_a_step_of_a_path_has_the_law_of_its_own_load(light, tmp_path):
     """An elastic contact does not remember, so that the step has the limit of a campaign under its load alone."""
-    steps = gfmd_numba.fit_tfc(results["path"])
-    for step, name in enumerate(("light", "heavy")):
-        alone = gfmd_numba.fit_tfc(results[name])
+    heavy = CAMPAIGN | {"scene": CAMPAIGN["scene"] | {"loading": {"pressure": 2e6}}}
+    steps = gfmd_numba.fit_tfc(gfmd_numba.run(CAMPAIGN | {"path": [{"pressure": 2e6}]}, tmp_path / "path"))
+    for step, results in enumerate((light, gfmd_numba.run(heavy, tmp_path / "heavy"))):
+        alone = gfmd_numba.fit_tfc(results)
         np.testing.assert_allclose(steps["kappa_tfc"][step], alone["kappa_tfc"][0], rtol=1e-5)
         np.testing.assert_allclose(steps["kappa_tfc_error"][step], alone["kappa_tfc_error"][0], rtol=1e-3)
 

@@ -24,6 +24,7 @@ def message(nodes_of_all, segments, **coordinates):
     return fit_tfc(dataset, fixed=ALPHA)["message"].item()
 
 
+@pytest.mark.long
 def test_stretches_of_a_profile_are_counted_along_it():
     for known in ({}, {"dimension": 1}):
         said = message(30, 20, **known)
@@ -50,6 +51,7 @@ def test_the_note_names_what_the_grid_of_a_campaign_follows_from(tmp_path):
     assert "take more points or a higher pressure" in " ".join(fit_tfc(dataset)["message"].item().split())
 
 
+@pytest.mark.long
 def test_patches_of_a_map_are_counted_over_its_square():
     assert "patches of contact have 3.5 nodes on average where they have most, fewer than 4:" in message(
         70, 20, dimension=2

@@ -159,6 +159,7 @@ def test_a_picture_of_a_column_can_be_read(kind, width, recwarn):
     assert [each for each in recwarn if "layout" in str(each.message)] == []
 
 
+@pytest.mark.long
 def test_the_names_of_rounds_stand_inside_the_axes():
     figure = plot_rounds(rounds(), "single")
     figure.draw_without_rendering()
@@ -194,6 +195,7 @@ def test_an_outlier_makes_no_map_grey_and_stretches_no_axis():
     assert gap.get_xlim()[1] < 8.0
 
 
+@pytest.mark.long
 def test_a_mean_with_an_error_beyond_all_others_stretches_no_axis():
     spoilt = campaign().copy(deep=True)
     spoilt["kappa"][0, :2] += [55.0, -55.0]
@@ -201,6 +203,7 @@ def test_a_mean_with_an_error_beyond_all_others_stretches_no_axis():
     assert np.ptp(plot_campaign(spoilt).axes[0].get_ylim()) < 3.0 * np.ptp(usual)
 
 
+@pytest.mark.long
 def test_what_a_fit_tends_to_along_a_limit_is_drawn_in_its_panel():
     panel = plot_campaign(campaign(), fit()).axes[0]
     found = fit().isel(group=0)

@@ -115,6 +115,7 @@ def test_error_bars_are_standard_errors(campaign):
     assert np.isclose(half[:, None], expected.values, rtol=1e-9).any(axis=0).all()
 
 
+@pytest.mark.long
 def test_fit_adds_curves_and_the_extrapolated_panel(campaign, fitted):
     fit, figure = fitted, plot_campaign(campaign, fitted)
     assert figure.axes[-1].get_title() == "TFC limit"
@@ -129,6 +130,7 @@ def test_fit_adds_curves_and_the_extrapolated_panel(campaign, fitted):
         assert x.min() > 1  # roughness at Nyquist is not part of the fit
 
 
+@pytest.mark.long
 def test_a_prescribed_displacement_has_no_pressure_but_a_picture(campaign):
     campaign["reduced_pressure"][:] = np.nan
     figure = plot_campaign(campaign, fit_tfc(campaign, fixed=FIXED))
@@ -224,6 +226,7 @@ def test_contact_without_units_is_in_lx_and_estar(contact):
     assert "E^*" in below.get_ylabel()
 
 
+@pytest.mark.long
 def test_full_contact_and_no_load_are_drawn(contact):
     contact["gap"][:] = 0
     plot_contact(contact)

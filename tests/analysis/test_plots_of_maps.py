@@ -68,6 +68,7 @@ def test_surfaces_that_attract_each_other_apart_are_drawn(dimension):
     assert float(statistics["gap_density"].sum() * statistics["gap"].diff("gap")[0]) == pytest.approx(1.0)
 
 
+@pytest.mark.long
 def test_a_contact_under_a_displacement_is_not_called_a_step(rough):
     held = rough.drop_vars("reduced_pressure")  # which a displacement leaves out
     (legend,) = plot_contact(held).legends
@@ -122,7 +123,8 @@ def test_the_distributions_of_a_run_that_is_not_ok_are_not_drawn(rough, drawn):
     assert densities == []
 
 
-@pytest.mark.parametrize("gap", [0.0, pytest.param(1e-9, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("gap", [0.0, 1e-9])
 def test_full_contact_and_no_contact_are_drawn(rough, gap):
     rough["gap"][:] = gap
     rough["pressure"][:] = 0.0

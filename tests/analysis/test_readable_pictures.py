@@ -50,6 +50,7 @@ def below_map(dragged_map, request):
     return gfmd_numba.body_fields(dragged_map, **request.param)
 
 
+@pytest.mark.long
 def test_the_tangential_traction_of_a_profile_is_drawn_in_the_unit_of_its_pressure(dragged):
     figure = plot_contact(dragged)
     below = figure.axes[-1]
@@ -134,6 +135,7 @@ def test_heights_of_a_map_are_called_those_of_both_surfaces_where_the_body_is_ro
     assert plot_contact(rough).axes[0].images[0].colorbar.ax.get_xlabel() == "Height of both surfaces together (nm)"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("tension", "extend"), [(0.0, "max"), (1e6, "both")])
 def test_a_tension_beyond_the_colours_of_the_pressure_has_an_arrow(dragged_map, tension, extend):
     pulled = dragged_map.copy(deep=True)
@@ -225,6 +227,7 @@ def test_the_map_of_a_conductance_fills_its_picture(pressed_map):
     assert widest_bare_rim(plot_conductance(gfmd_numba.contact_conductance(pressed_map), "double")) < 0.3
 
 
+@pytest.mark.long
 def test_bodies_that_do_not_touch_are_drawn_in_a_unit_of_their_gap():
     scene = SCENE | {"interface": {"hard_wall": {}}, "loading": {"displacement": 0.0}}
     figure = plot_contact(gfmd_numba.solve({"scene": scene, "discretisation": GRID}))

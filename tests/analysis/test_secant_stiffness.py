@@ -124,6 +124,7 @@ def campaign(tmp_path_factory):
     return gfmd_numba.run(file, file.parent / "loads")
 
 
+@pytest.mark.long
 def test_campaign_is_compared_load_by_load(campaign):
     found = secant_stiffness(campaign)
     assert found.sizes == {"interval": 8}  # two intervals of two Hurst exponents and two grids
@@ -142,6 +143,7 @@ def test_campaign_is_compared_load_by_load(campaign):
     assert "stiffness_reduced" not in found
 
 
+@pytest.mark.long
 def test_stiffness_stores_the_elastic_energy(campaign):
     """dE = p d(approach) = p dp / K; where K grows as p^a, a <= 2, its trapezoid is off by a/12 of the (d ln p)^2."""
     close = campaign.isel(case=(campaign["reduced_pressure"] < 0.07).values)

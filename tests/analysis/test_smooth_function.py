@@ -46,9 +46,10 @@ def fit(hursts=HURSTS, pressures=PRESSURES, error=0.01, seed=0, alike=0.0, of=tr
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("of", "alike", "error"),
-    [pytest.param(truth, 0.3, 0.01, marks=pytest.mark.long), (nearly_full, 0.0, 1e-3)],
+    [(truth, 0.3, 0.01), (nearly_full, 0.0, 1e-3)],
 )
 def test_the_error_holds_between_the_limits(of, alike, error):
     """Whether errors are independent, or alike for neighbours: mostly within twice the error."""
@@ -124,7 +125,7 @@ def few():
     return fit(HURSTS[::2], PRESSURES[::2])
 
 
-@pytest.mark.parametrize("suffix", [".nc", ".csv"])
+@pytest.mark.parametrize("suffix", [".nc", pytest.param(".csv", marks=pytest.mark.long)])
 def test_the_command_writes_what_others_read_without_gfmd(fitted, tmp_path, suffix):
     path = tmp_path / f"kappa{suffix}"
     result = CliRunner().invoke(main, ["fit", str(fitted), "--function", str(path)], catch_exceptions=False)
@@ -150,6 +151,7 @@ def test_without_the_library_the_command_says_how_to_get_it(fitted, tmp_path, mo
     assert not (tmp_path / "x.csv").exists()
 
 
+@pytest.mark.long
 def test_the_table_of_three_parameters_is_no_larger_than_one_can_use():
     each = [
         fit(HURSTS[::2], PRESSURES[::2], seed=seed).assign_coords(aspect_ratio=("group", [ratio] * 9))

@@ -104,7 +104,7 @@ def test_perssons_area_and_pressures_stand_next_to_a_map(rough, statistics):
 def test_the_energy_of_a_map_is_the_work_of_loading():
     loads = np.geomspace(0.01, 2.0, 40)
     pressed = {"loading": {"reduced_pressure": loads[0]}, "path": [{"reduced_pressure": p} for p in loads[1:]]}
-    path = gfmd_numba.solve(ROUGH | pressed | {"discretisation": {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2}})
+    path = gfmd_numba.solve(ROUGH | pressed | {"discretisation": {"eps_c": 1 / 2, "eps_f": 1 / 4, "eps_t": 1 / 2}})
     pressure, gap, energy = (path[name].values for name in ("mean_pressure", "mean_gap", "elastic_energy"))
     work = energy[0] + np.cumsum(0.5 * (pressure[1:] + pressure[:-1]) * -np.diff(gap))
     np.testing.assert_allclose(work, energy[1:], rtol=0.01)

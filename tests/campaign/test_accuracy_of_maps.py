@@ -13,7 +13,7 @@ from support.campaigns import MAPS, campaign
 
 pytestmark = pytest.mark.long  # all read one campaign that takes its time
 
-LEVELS = "reference: {eps_c: 1/4, eps_f: 1/4, eps_t: 1/2}\nlimits: {eps_c: [1/2, 1/8], eps_f: [1/2, 1/8]}\n"
+LEVELS = "reference: {eps_c: 1/4, eps_f: 1/2, eps_t: 1/2}\nlimits: {eps_c: [1/2, 1/8], eps_f: [1, 1/4]}\n"
 FIT = "fit: {fixed: {eps_c: [3/2, 5/2], eps_f: [1/2, 3/2]}}\n"
 
 

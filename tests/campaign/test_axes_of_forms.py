@@ -35,6 +35,7 @@ def test_radius_and_load_of_a_cylinder_vary(tmp_path):
         assert float(width) == pytest.approx(1e-3 * exact, rel=2e-2)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("form", "grid", "levels"),
     [

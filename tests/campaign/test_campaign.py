@@ -43,6 +43,7 @@ def test_a_case_equals_the_contact_solved_alone(finished):
         assert float(alone[name]) == float(case[name]), name
 
 
+@pytest.mark.long
 def test_results_are_found_by_name_among_other_files(tmp_path):
     out = tmp_path / "out"
     found = gfmd_numba.run(campaign(tmp_path, TINY), out)

@@ -112,6 +112,7 @@ def test_a_changed_file_changes_its_own_problems_alone(folder):
     assert [old == new for old, new in zip(before, after, strict=True)] == [True, True, False, False, True, True]
 
 
+@pytest.mark.long
 def test_a_mapping_names_files_in_the_current_folder(folder, monkeypatch):
     from_file = [case.problem.identity for case in plan(folder / "steel.yaml").cases]
     monkeypatch.chdir(folder)
@@ -139,6 +140,7 @@ def test_the_terminal_and_the_figures_name_the_files(folder):
         gfmd(command, folder / "out")
 
 
+@pytest.mark.long
 def test_cases_of_one_file_are_run_alone(folder):
     gfmd("run", folder / "steel.yaml", "--workers", 0, "-o", folder / "out", "--only", "file=data/b.csv")
     found = gfmd_numba.open_campaign(folder / "out")
@@ -200,6 +202,7 @@ def test_a_line_load_needs_files_of_one_period(folder):
         plan(write(folder, scene=scene, grid={"file": list(FILES)}))
 
 
+@pytest.mark.long
 def test_profiles_and_maps_stand_in_one_campaign(folder):
     surface = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.05, "points": 16, "cut_on": 1 / 4, "roll_off": 1 / 2}
     for dimension in (1, 2):

@@ -60,9 +60,8 @@ def without_reference(campaign):
     return {key: value for key, value in campaign.items() if key != "reference"}
 
 
-@pytest.mark.parametrize(
-    "name", ["two bodies", *(pytest.param(each, marks=pytest.mark.long) for each in list(SCENES)[1:])]
-)
+@pytest.mark.long
+@pytest.mark.parametrize("name", SCENES)
 def test_a_realisation_has_the_numbers_of_solve(tmp_path, pickled, name):
     scene, more = SCENES[name]
     campaign = of(scene, **more)

@@ -44,7 +44,7 @@ def wave(tmp_path):
     [
         (SCENE, {}),
         pytest.param(SCENE | RUBBED, {"path": [{"sliding": 1e-3}]}, marks=pytest.mark.long),
-        (SCENE | HELD, {"path": [{"sliding": 1e-3}]}),
+        pytest.param(SCENE | HELD, {"path": [{"sliding": 1e-3}]}, marks=pytest.mark.long),
         pytest.param(SCENE | {"body": SCENE["body"] | {"roughness": ROUGH}}, {}, marks=pytest.mark.long),
     ],
     ids=["punch", "dragged punch", "cohesive punch", "rough body"],

@@ -109,7 +109,7 @@ def test_the_limit_of_a_thin_slab_is_that_of_the_half_space(tmp_path):
     """The height is a share of the period, so that the slab becomes thick where eps_t goes to 0."""
     scene = SCENE | {"body": {"poissons_ratio": 0.33, "aspect_ratio": 0.1}, "loading": {"reduced_pressure": 0.007}}
     scene["roughness"] = SCENE["roughness"] | {"hurst": 0.3}
-    results = gfmd_numba.run({"name": "slab", "seed": 5, "scene": scene, "target": {"kappa": "3%"}}, tmp_path / "out")
+    results = gfmd_numba.run({"name": "slab", "seed": 5, "scene": scene, "target": {"kappa": "5%"}}, tmp_path / "out")
     fit = gfmd_numba.fit_tfc(results, **json.loads(results.attrs["fit"]))
     assert results.attrs["ended"] == "reached"
     assert fit["kappa_tfc_low"].item() < 2.851 < fit["kappa_tfc_high"].item()  # docs/results.md, of half-spaces
@@ -248,10 +248,9 @@ class Killed(BaseException):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("n_fits", [0, 1])
-def test_a_run_that_was_killed_chooses_the_same_levels(refined, tmp_path, monkeypatch, n_fits):
-    """In the fit of a round, whose decision is not made yet."""
-    fits = iter([runs.fit_tfc] * n_fits)
+def test_a_run_that_was_killed_chooses_the_same_levels(refined, tmp_path, monkeypatch):
+    """In the fit of the round after the pilot, whose decision is not made yet."""
+    fits = iter([runs.fit_tfc])
 
     def dying(*given, **options):
         fit = next(fits, None)

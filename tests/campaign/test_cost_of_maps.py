@@ -33,7 +33,7 @@ def maps(folder, grid):
     return plan(campaign(folder, text, **{"realisations: 2": "realisations: 4"}))
 
 
-@pytest.mark.parametrize("grid", [ISOTROPIC, ANISOTROPIC])
+@pytest.mark.parametrize("grid", [ISOTROPIC, pytest.param(ANISOTROPIC, marks=pytest.mark.long)])
 @pytest.mark.parametrize("budget", [0.5, 10.0])
 def test_smaller_maps_predict_those_that_take_too_long(tmp_path, machine, grid, budget):
     planned = maps(tmp_path, grid)

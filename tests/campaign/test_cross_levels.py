@@ -35,6 +35,7 @@ def test_a_cross_level_differs_from_the_reference_in_several_discretisations(tmp
         assert levels == [("cross", 1 / 2, 1 / 8, 1 / 2), ("cross", 1 / 4, 1 / 32, 1)]
 
 
+@pytest.mark.long
 def test_cross_levels_change_no_other_case(finished, crossed):
     others = crossed.isel(case=crossed["limit"].values != "cross")
     np.testing.assert_array_equal(others["case_id"], finished["case_id"])

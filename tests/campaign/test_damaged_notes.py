@@ -62,6 +62,7 @@ def test_a_file_without_our_mark_says_nothing(tmp_path, content):
     assert noted(tmp_path) == {}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("content", FEW[1:])
 def test_a_damaged_failure_is_forgotten_and_its_block_computed(out, content):
     block = next(plan(out / "campaign.yaml").blocks)

@@ -39,7 +39,7 @@ def damaged(content, pick):
     return bytes(content)
 
 
-@pytest.mark.parametrize("examples", [4, pytest.param(60, marks=pytest.mark.long)])
+@pytest.mark.parametrize("examples", [4, pytest.param(25, marks=pytest.mark.long)])
 def test_a_damaged_file_of_results_is_refused_or_says_the_same(results, examples):
     """The HDF5 library finds wrong numbers in such files, internal errors, or no end."""
     sound, path = read_results(results), results.with_name("damaged.nc")
@@ -59,6 +59,7 @@ def test_a_damaged_file_of_results_is_refused_or_says_the_same(results, examples
     path.unlink()
 
 
+@pytest.mark.long
 def test_results_with_a_seal_are_plain_netcdf(results, tmp_path):
     with xr.open_dataset(results) as plain:
         xr.testing.assert_identical(plain.load(), read_results(results))

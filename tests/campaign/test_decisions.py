@@ -113,6 +113,7 @@ def test_exponents_that_no_surfaces_tell_ask_for_narrower_ranges():
         decided(one, 0.00005, {"eps_f": 0.6})
 
 
+@pytest.mark.long
 def test_a_target_that_cross_levels_nearly_reach_asks_for_no_others():
     found = results(crossed(*CROSS))
     for target, told in ((0.0001, "1000000 realisations of every case would leave"), (0.0003, "more than 1000000")):

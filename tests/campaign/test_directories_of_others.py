@@ -17,6 +17,7 @@ def test_output_directory_of_another_campaign_is_refused(tmp_path):
         gfmd_numba.run(campaign(tmp_path, TINY, **{"name: tiny": "name: other"}), out, 0)
 
 
+@pytest.mark.long
 def test_a_damaged_label_says_what_to_do(tmp_path):
     path, out = campaign(tmp_path, TINY), tmp_path / "out"
     gfmd_numba.run(path, out)

@@ -155,7 +155,7 @@ def test_rounds_come_to_an_end(tmp_path, monkeypatch):
     monkeypatch.setattr(next_round, "_MOST", 2)
     monkeypatch.setattr(next_round, "_GROWTH", 1.3)
     outcome = run_until(
-        campaign(tmp_path, **ONE), GOAL.model_copy(update={"targets": {"kappa": 0.005}}), tmp_path / "out", HERE
+        campaign(tmp_path, **ONE), GOAL.model_copy(update={"targets": {"kappa": 0.01}}), tmp_path / "out", HERE
     )
     assert outcome.rounds.ended == "not reached: 2 rounds did not suffice"
     assert len(outcome.rounds.rounds) == 3
@@ -228,6 +228,7 @@ def test_an_interrupt_before_a_run_begins_promises_nothing(tmp_path, monkeypatch
     assert (ran.exit_code, ran.stderr) == (130, "gfmd: interrupted\n")
 
 
+@pytest.mark.long
 def test_an_interrupt_between_the_contacts_of_a_pilot_and_their_fit_loses_none(tmp_path, monkeypatch):
     """And the status says what became of the run: its blocks are done, its target is not reached."""
 
@@ -310,7 +311,7 @@ def test_python_warns_of_a_target_that_is_not_reached(tmp_path, priced):
 @pytest.mark.long
 def test_rounds_taken_one_by_one_are_those_of_a_run(tmp_path):
     """And a run goes on from where the loop was left."""
-    path, target = campaign(tmp_path, **ONE), {"kappa": 0.03}
+    path, target = campaign(tmp_path, **ONE), {"kappa": 0.04}
     whole = gfmd_numba.run(path, tmp_path / "whole", until=target)
     assert whole.sizes["round"] > 1
     for first in gfmd_numba.rounds(path, tmp_path / "left", until=target):

@@ -4,7 +4,6 @@ import ctypes
 import os
 import resource
 import signal
-import subprocess
 import sys
 import threading
 import time
@@ -109,15 +108,15 @@ def test_a_time_out_does_not_end_the_process_of_the_user(tmp_path, sound):
 
 @pytest.mark.long
 def test_a_full_disk_is_one_message_and_loses_nothing(tmp_path):
-    """A limit to the size of files stops a worker as a full disk would; without them a small disk stops a run."""
+    """A limit to the size of files stops a run with a worker as a full disk would."""
     path, out = campaign(tmp_path), tmp_path / "out"
-    command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), "--workers=1"]
-
-    def limit():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))
-
-    stopped = subprocess.run(command, preexec_fn=limit, capture_output=True, text=True)
-    assert stopped.returncode == 3
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (5000, before[1]))
+    try:
+        stopped = gfmd("run", path, "-o", out, "--workers=1")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert stopped.exit_code == 3
     lines = stopped.stderr.splitlines()
     said = unfolded(" ".join(line for line in lines if not line.startswith(("blocks", "busy"))))
     assert said.count("gfmd: ") == 1
@@ -128,27 +127,35 @@ def test_a_full_disk_is_one_message_and_loses_nothing(tmp_path):
     assert gfmd("run", path, "-o", out, "--workers=0").exit_code == 0
 
 
+@pytest.fixture
+def cluster():
+    """A worker in this process, which is there at once; tasks come to it as to any other."""
+    address = "127.0.0.1:0"
+    with LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, protocol="tcp", dashboard_address=address
+    ) as cluster:
+        yield cluster
+
+
 @pytest.mark.long
-def test_a_lost_scheduler_is_told(tmp_path, sound):
-    with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address="127.0.0.1:0") as cluster:
-        ended = execute(sound, tmp_path, Workers(address=cluster.scheduler_address), None)
+def test_a_lost_scheduler_is_told(tmp_path, sound, cluster):
+    ended = execute(sound, tmp_path, Workers(address=cluster.scheduler_address), None)
+    next(ended)
+    cluster.close()
+    with pytest.raises(OSError, match="the dask scheduler is lost"):
         next(ended)
-        cluster.close()
-        with pytest.raises(OSError, match="the dask scheduler is lost"):
-            next(ended)
 
 
 @pytest.mark.long
-def test_two_runs_on_one_cluster_each_get_their_own_shards(tmp_path, sound):
+def test_two_runs_on_one_cluster_each_get_their_own_shards(tmp_path, sound, cluster):
     """The second begins while the first has the same blocks in flight."""
     folders = [tmp_path / "first", tmp_path / "second"]
-    with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address="127.0.0.1:0") as cluster:
-        workers = Workers(address=cluster.scheduler_address)
-        folders[0].mkdir()
-        for _ in execute(sound, folders[0], workers, None):
-            if not folders[1].exists():
-                folders[1].mkdir()
-                list(execute(sound, folders[1], workers, None))
+    workers = Workers(address=cluster.scheduler_address)
+    folders[0].mkdir()
+    for _ in execute(sound, folders[0], workers, None):
+        if not folders[1].exists():
+            folders[1].mkdir()
+            list(execute(sound, folders[1], workers, None))
     for folder in folders:
         assert all(Finished(folder).is_sound(block.name) for task in sound for block in task)
 
@@ -166,16 +173,14 @@ def test_a_scheduler_that_cannot_be_used_is_refused(tmp_path, address, allowed):
 
 
 @pytest.mark.long
-def test_workers_with_other_packages_are_refused(tmp_path, monkeypatch):
-    with LocalCluster(n_workers=1, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0") as cluster:
-        address = cluster.scheduler_address
-        monkeypatch.setattr("gfmd_numba.campaign.cluster.versions", OtherVersions())
-        with pytest.raises(InputError, match=r"--scheduler: you gave tcp://.* with numba .*; gfmd allows 0.1, as here"):
-            check(Workers(address=address), tmp_path)
+def test_workers_with_other_packages_are_refused(tmp_path, monkeypatch, cluster):
+    monkeypatch.setattr("gfmd_numba.campaign.cluster.versions", OtherVersions())
+    with pytest.raises(InputError, match=r"--scheduler: you gave tcp://.* with numba .*; gfmd allows 0.1, as here"):
+        check(Workers(address=cluster.scheduler_address), tmp_path)
 
 
 class OtherVersions:
-    """Here the versions of long ago; on a worker the present ones."""
+    """Here the versions of long ago; where they are unpickled the present ones."""
 
     def __call__(self):
         return {"numba": "0.1"}

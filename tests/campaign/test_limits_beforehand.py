@@ -29,6 +29,7 @@ FITTED = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("limits", "reason"),
     [pytest.param(*REFUSED[name], id=name, marks=[pytest.mark.long] * (name != "two levels")) for name in REFUSED],

@@ -1,10 +1,10 @@
 """A campaign along a loading path: what it records, how it resumes, and what it refuses."""
 
+import shutil
 from itertools import pairwise
 
 import numpy as np
 import pytest
-import yaml
 
 import gfmd_numba
 import gfmd_numba.analysis
@@ -30,8 +30,15 @@ def dragged(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def pulled(tmp_path_factory):
-    return gfmd_numba.run(PULLED, tmp_path_factory.mktemp("pulled") / "out")
+def directory_of_pulled(tmp_path_factory):
+    directory = tmp_path_factory.mktemp("pulled") / "out"
+    gfmd_numba.run(PULLED, directory)
+    return directory
+
+
+@pytest.fixture
+def pulled(directory_of_pulled):
+    return gfmd_numba.open_campaign(directory_of_pulled)
 
 
 @pytest.mark.long
@@ -199,20 +206,21 @@ def test_a_block_of_a_path_is_as_much_work_as_any_other():
 
 
 @pytest.mark.long
-def test_run_shows_and_plot_draws_a_path(tmp_path, monkeypatch):
+def test_run_shows_and_plot_draws_a_path(directory_of_pulled, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    written = campaign(tmp_path, yaml.safe_dump(PULLED | {"realisations": 1}))
+    written = shutil.copytree(directory_of_pulled, tmp_path / "out") / "campaign.yaml"
     said = gfmd("run", written, "-o", "out", "--workers=0")
     assert said.exit_code == 0, said.output
     assert "end of the path of 8 steps" in said.output
     assert "hysteresis" in said.output
     assert "pull-off" in said.output
-    assert "1 realisations along a path of 8 steps" in gfmd("check", written).output
+    assert "2 realisations along a path of 8 steps" in gfmd("check", written).output
     assert gfmd("plot", "out", "-o", "picture.png").exit_code == 0
     assert (tmp_path / "picture.png").stat().st_size > 5_000
     assert "path          8 steps" in gfmd("plan", written, "--pilot=0").output
 
 
+@pytest.mark.long
 def test_a_shard_holds_its_steps(tmp_path):
     planned = plan(DRAGGED | {"realisations": 1})
     block = next(planned.blocks)

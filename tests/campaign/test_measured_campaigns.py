@@ -25,7 +25,7 @@ RANDOM = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.05}
 GRID = {"reduced_pressure": [0.01, 0.05], "aspect_ratio": [0.1, 1.0]}
 
 
-KINDS = {"params": [1, 2], "ids": ["profile", "map"]}
+KINDS = {"params": [1, pytest.param(2, marks=pytest.mark.long)], "ids": ["profile", "map"]}
 
 
 @pytest.fixture(**KINDS)
@@ -130,6 +130,7 @@ def test_a_copy_of_the_campaign_in_its_directory_reads_the_same_file_from_anywhe
     assert len(list((folder / "steel" / "shards").glob("*.shard"))) == 4
 
 
+@pytest.mark.long
 def test_a_map_of_a_file_bears_a_force_without_a_dimension_in_the_scene(folder):
     heights, name = np.load(folder / "steel.npy"), {1: "line_load", 2: "force"}
     right, wrong = name[heights.ndim], name[3 - heights.ndim]

@@ -64,6 +64,7 @@ def test_more_realisations_solve_only_the_new_ones(tmp_path, ran, begun, solved)
     assert stamps.items() <= {shard: shard.stat().st_mtime_ns for shard in begun.glob("shards/*.shard")}.items()
 
 
+@pytest.mark.long
 def test_fewer_realisations_solve_nothing(tmp_path, ran, begun, solved):
     out = shutil.copytree(ran / "6", tmp_path / "six")
     fewer = gfmd_numba.run(realisations(tmp_path, 4), out)
@@ -108,6 +109,7 @@ def problem(tmp_path_factory):
     return plan(campaign(tmp_path_factory.mktemp("problem"))).problems[0]
 
 
+@pytest.mark.long
 @settings(max_examples=100, deadline=None)
 @given(data=st.data(), held=st.lists(ranges, max_size=6), wanted=st.integers(1, 30), size=st.integers(1, 8))
 def test_blocks_cover_what_is_wanted_and_stay_the_same_while_they_get_finished(problem, data, held, wanted, size):

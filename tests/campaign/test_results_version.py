@@ -26,6 +26,7 @@ def _fresh():
     problem.results_version.cache_clear()
 
 
+@pytest.mark.long
 def test_a_new_observable_is_computed_and_no_old_shard_is_used(tmp_path, monkeypatch):
     path = campaign(tmp_path, TINY)
     gfmd_numba.run(path, tmp_path / "out", workers=0)

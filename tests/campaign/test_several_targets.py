@@ -83,25 +83,26 @@ def test_the_errors_of_each_target_stand_in_the_file(reached):
 
 @pytest.mark.long
 def test_a_run_that_resumes_decides_as_before(reached, tmp_path, monkeypatch):
+    """It was killed between the two fits of its last round."""
+
     class Killed(BaseException):
         pass
 
-    for number in (1, 2 * len(reached.rounds.rounds) - 1):  # between the fits of the first round, and of the last
-        out, fits = tmp_path / str(number), iter([runs.fit_tfc] * number)
-        with monkeypatch.context() as patch:
+    fits = iter([runs.fit_tfc] * (2 * len(reached.rounds.rounds) - 1))
 
-            def dying(*given, **options):
-                fit = next(fits, None)  # noqa: B023
-                if fit is None:
-                    raise Killed
-                return fit(*given, **options)
+    def dying(*given, **options):
+        fit = next(fits, None)
+        if fit is None:
+            raise Killed
+        return fit(*given, **options)
 
-            patch.setattr(runs, "fit_tfc", dying)
-            with pytest.raises(Killed):
-                run_until(campaign(tmp_path, **ONE), GOAL, out, HERE)
-        resumed = run_until(campaign(tmp_path, **ONE), GOAL, out, HERE)
-        digests = [gfmd_numba.open_campaign(each.results).attrs["content_sha256"] for each in (resumed, reached)]
-        assert digests[0] == digests[1]
+    with monkeypatch.context() as patch:
+        patch.setattr(runs, "fit_tfc", dying)
+        with pytest.raises(Killed):
+            run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", HERE)
+    resumed = run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", HERE)
+    digests = [gfmd_numba.open_campaign(each.results).attrs["content_sha256"] for each in (resumed, reached)]
+    assert digests[0] == digests[1]
 
 
 @pytest.mark.long

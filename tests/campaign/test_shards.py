@@ -94,6 +94,7 @@ def test_a_block_that_was_damaged_and_stored_again_is_sound(folder):
     same(Finished(folder).read("b-000000-000001"), OTHERS)
 
 
+@pytest.mark.long
 def test_many_small_blocks_share_files_and_give_the_same_results(tmp_path, monkeypatch):
     path, out = campaign(tmp_path, **{"limits:": "#", "[0.3, 0.8]": "[0.2, 0.4, 0.6, 0.8]"}), tmp_path / "out"
     apart = gfmd_numba.run(path, tmp_path / "apart").attrs["content_sha256"]

@@ -61,12 +61,8 @@ def test_a_value_stands_in_its_place_of_the_record_alone(name):
     assert found.roughness.model_dump() == scene.roughness.model_dump() | {name: values[1]}
 
 
-QUICK = "correlation_length_y"
-
-
-@pytest.mark.parametrize(
-    "name", [QUICK, *(pytest.param(each, marks=pytest.mark.long) for each in VARIED if each != QUICK)]
-)
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["correlation_length_y", "cut_on", "hurst_x"])
 def test_a_grid_over_it_is_run_fitted_and_drawn(tmp_path, name):
     roughness, values = VARIED[name]
     (tmp_path / "c.yaml").write_text(yaml.safe_dump(campaign(roughness, {name: values}, length=None)))
@@ -212,6 +208,7 @@ def test_a_length_at_which_no_wave_is_left_is_refused_everywhere(scale):
         gfmd_numba.make_surface({"surface": smooth})
 
 
+@pytest.mark.long
 def test_surfaces_with_a_grid_of_their_own_have_no_eps(tmp_path):
     tiny = MODEL | {"correlation_length": 1e-20}  # whose eps_f would be 1e19
     results = gfmd_numba.run(campaign(tiny, {"hurst": [0.5, 0.8]}), tmp_path / "out", workers=0)

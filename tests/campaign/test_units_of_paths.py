@@ -12,12 +12,12 @@ from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES
 from gfmd_numba.scene import load_scene
+from support.cases import some_of
 from support.command_line import gfmd, unfolded
 
 NU = 0.3
 SYSTEMS = {  # length of the period (m), Young's modulus (Pa), rms gradient
     "reduced": (None, None, 0.03),
-    "SI": (2e-4, 7e10, 0.03),
     "with units": (2e-4, 7e10, 0.03),
     "large, soft and flat": (30.0, 1.3e4, 0.003),
 }
@@ -121,7 +121,8 @@ def test_a_path_has_one_identity_and_one_result(effect):
 def test_a_campaign_has_one_digest(effect, tmp_path):
     digests, cases = set(), set()
     for system in SYSTEMS:
-        results = gfmd_numba.run(campaign(system, effect), tmp_path / system)
+        file = campaign(system, effect)
+        results = gfmd_numba.run(file | {"path": file["path"][:2]}, tmp_path / system)
         assert (results["status"] == 0).all()
         digests.add(digest(tmp_path / system))
         cases.add(tuple(results["case_id"].values))
@@ -129,7 +130,7 @@ def test_a_campaign_has_one_digest(effect, tmp_path):
     assert len(cases) == 1
 
 
-@pytest.mark.parametrize(("range_", "code"), [(RESOLVED, 0), (UNRESOLVED, 0), (HOPELESS, 2)])
+@pytest.mark.parametrize(("range_", "code"), some_of([(RESOLVED, 0), (UNRESOLVED, 0), (HOPELESS, 2)], 1, 2))
 def test_check_and_plan_come_to_one_verdict_on_a_law(range_, code, tmp_path):
     for kind in (contact, campaign):
         said = set()
@@ -148,12 +149,13 @@ def test_check_and_plan_come_to_one_verdict_on_a_law(range_, code, tmp_path):
 def test_a_campaign_says_the_same_of_a_law_that_it_does_not_resolve(tmp_path):
     said = set()
     for system in SYSTEMS:
-        file = campaign(system, "adhesion", UNRESOLVED)
+        file = {key: value for key, value in campaign(system, "adhesion", UNRESOLVED).items() if key != "path"}
         with pytest.warns(UserWarning, match="does not resolve"):
-            results = gfmd_numba.run(file | {"path": file["path"][:1]}, tmp_path / system)
-        said.add(results.attrs["validity"].splitlines()[-2])  # the last line is about narrow contacts
+            results = gfmd_numba.run(file, tmp_path / system)
+        said.update(
+            line for line in results.attrs["validity"].splitlines() if "does not resolve the interaction" in line
+        )
     assert len(said) == 1
-    assert "does not resolve the interaction law" in said.pop()
 
 
 def bodies(kind, period, modulus):

@@ -28,7 +28,7 @@ GRID = {"reference": {"eps_c": 1 / 8, "eps_f": 1 / 8, "eps_t": 1 / 2}, "realisat
         ({"loading": {"pressure": 1e5}}, {"grid": {"pressure": [3e3, 1e6]}}, "narrow on this grid in 1 of 2 cases"),
         ({"roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 1.0}}, {}, "no longer small in 1 of 1 cases"),
         ({"loading": {"pressure": 5e8}}, {}, "and the mean pressure 0.4"),
-        ({"body": FLOWS}, {}, "because strains turn within an increment"),
+        pytest.param({"body": FLOWS}, {}, "because strains turn within an increment", marks=pytest.mark.long),
     ],
     ids=["sound", "single nodes", "one case of two", "steep", "pressed hard", "flow"],
 )
@@ -67,10 +67,11 @@ def test_it_says_that_divisions_of_time_are_too_coarse(tmp_path, monkeypatch):
             "in 1 of 1 cases, in step 2 of 2: the punch has slid past the body, ",
             marks=pytest.mark.long,
         ),
-        (
+        pytest.param(
             {"body": FLOWS | {"plasticity": {**FLOWS["plasticity"], "depth": 1e-5}}, "loading": {"pressure": 3e6}},
             None,
             "in 1 of 1 cases: the body flows down to the lowest sublayer",
+            marks=pytest.mark.long,
         ),
     ],
     ids=["edge", "far", "deep"],
@@ -90,6 +91,7 @@ def test_it_says_how_many_simulations_failed(tmp_path, monkeypatch):
         gfmd_numba.run({"name": "fails", "seed": 1, "scene": SCENE} | GRID | failing)
 
 
+@pytest.mark.long
 def test_it_names_the_steps_of_a_path_that_are_doubtful(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     path = [{"pressure": 5e8}, {"pressure": 1e6}]

@@ -11,7 +11,7 @@ import gfmd_numba
 from gfmd_numba.campaign.run import run as run_campaign
 from gfmd_numba.campaign.workers import Workers
 from gfmd_numba.scene import InputError
-from support.campaigns import campaign, numbers
+from support.campaigns import TINY, campaign, numbers
 
 
 @pytest.mark.long
@@ -39,8 +39,8 @@ def test_a_wrong_scheduler_is_named(tmp_path, address):
 
 @pytest.mark.long
 def test_a_script_without_a_main_guard_may_run_a_campaign(tmp_path):
-    campaign(tmp_path)
+    campaign(tmp_path, TINY)
     script = tmp_path / "script.py"
     script.write_text("import gfmd_numba\ngfmd_numba.run('campaign.yaml', 'out')\n")
     subprocess.run([sys.executable, script], cwd=tmp_path, check=True)
-    assert (tmp_path / "out" / "small.nc").exists()
+    assert (tmp_path / "out" / "tiny.nc").exists()

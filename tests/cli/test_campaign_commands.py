@@ -58,7 +58,8 @@ def test_another_version_of_a_campaign_says_that_it_replaces_results(tmp_path, m
         assert ("tiny holds another version of this campaign" in unfolded(done.output)) == is_told
 
 
-@pytest.mark.parametrize("realisations", [pytest.param(1, marks=pytest.mark.long), 6])
+@pytest.mark.long
+@pytest.mark.parametrize("realisations", [1, 6])
 def test_a_campaign_without_limits_prints_its_means(tmp_path, realisations, undrawn):
     text = "\n".join(line for line in SMALL.splitlines() if not line.startswith("limits"))
     path = campaign(tmp_path, text, **{"realisations: 6": f"realisations: {realisations}"})
@@ -97,6 +98,7 @@ def test_a_campaign_says_how_many_runs_are_unstable(tmp_path, monkeypatch, undra
     )
 
 
+@pytest.mark.long
 def test_fit_prints_each_groups_own_reference_and_each_reason_once(results):
     done = gfmd("fit", results.parent, "--fixed", "eps_c=1", "--fixed", "eps_f=1")
     dataset = xr.open_dataset(results)
@@ -111,6 +113,7 @@ def test_fit_prints_each_groups_own_reference_and_each_reason_once(results):
     assert sum("--fixed eps_" in note and "fit: {fixed: {" in note for note in notes) == 1
 
 
+@pytest.mark.long
 def test_notes_name_the_group_and_the_case(tmp_path, results):
     dataset = xr.open_dataset(results).load()
     dataset["kappa"][1] = float("nan")
@@ -119,11 +122,13 @@ def test_notes_name_the_group_and_the_case(tmp_path, results):
     assert "H = 0.3: left out, no good realisation: eps_c = 1/2, eps_f = 1/16, eps_t = 1/2" in unfolded(done.output)
 
 
+@pytest.mark.long
 def test_picture_of_a_directory_is_named_like_that_of_a_run(results, undrawn):
     assert gfmd("plot", results.parent, "--variable=kappa_counted", "--fixed=eps_c=1", "--fixed=eps_f=1").exit_code == 0
     assert (results.parent / "small.png").exists()
 
 
+@pytest.mark.long
 def test_plan_says_what_is_shared_and_what_it_costs(tmp_path):
     text = SMALL.replace("grid: {", "grid: {poissons_ratio: [0.2, 0.3], aspect_ratio: [.inf, 1.5], ")
     path = tmp_path / "campaign.yaml"

@@ -125,6 +125,7 @@ def test_a_campaign_without_levels_is_planned_from_its_pilot(tmp_path):
     assert re.search(r"target +2.00%: (not reached by the pilot|reached)", said.stdout)
 
 
+@pytest.mark.long
 def test_a_target_that_the_pilot_reaches_needs_no_other_round(tmp_path):
     said = planned(campaign(tmp_path, **ONE), "--target=50%")
     assert said.exit_code == 0, said.output

@@ -108,6 +108,7 @@ def test_an_exponent_that_no_data_narrow_is_said_to_be_assumed(capsys):
         assert ("exponent anywhere from 0.5 to 1.5, as assumed" in unfolded(capsys.readouterr().out)) == said
 
 
+@pytest.mark.long
 def test_a_note_that_many_groups_have_with_other_numbers_is_told_once(capsys):
     fit = fit_of(0.3, 0.8).isel(group=[0, 1, 0, 0])
     fit["message"] = ("group", [f"means lie {factor} times off" for factor in (1.1, 1.3, 1.2, 1.25)])
@@ -126,7 +127,7 @@ def test_a_note_that_many_groups_have_with_other_numbers_is_told_once(capsys):
     ("aspect_ratio", "said"),
     [
         (np.inf, ""),
-        (0.1, "as eps_t -> 0 a slab becomes infinitely thick"),
+        pytest.param(0.1, "as eps_t -> 0 a slab becomes infinitely thick", marks=pytest.mark.long),
         (None, "as eps_t -> 0 layers become infinitely thick"),
     ],
     ids=["half-space", "slab", "layers"],

@@ -104,9 +104,8 @@ def no_pictures(monkeypatch):
 @pytest.mark.parametrize(
     "name",
     [
-        "small",
         "contact.nc",
-        *(pytest.param(name, marks=pytest.mark.long) for name in ("path.nc", "curve.nc", "fit.nc")),
+        *(pytest.param(name, marks=pytest.mark.long) for name in ("small", "path.nc", "curve.nc", "fit.nc")),
     ],
 )
 def test_a_page_needs_no_other_file(page_of, name):
@@ -133,6 +132,7 @@ def test_a_phone_has_pictures_of_one_column(results_in, tmp_path, monkeypatch):
     assert '<source media="(max-width: 34rem)" srcset="data:image/png;base64,' in page.read_text()
 
 
+@pytest.mark.long
 def test_a_page_says_what_the_fit_prints(folder, page_of):
     printed = gfmd("fit", folder / "small").output
     read = Page(page_of("small"))
@@ -236,6 +236,7 @@ def test_a_contact_that_is_not_ok_is_warned_of(no_pictures, page_of):
     assert "No warning" not in read.text
 
 
+@pytest.mark.long
 def test_names_are_text_and_no_markup(folder, no_pictures, tmp_path):
     with xr.open_dataset(folder / "contact.nc") as dataset:
         dataset.load().assign_attrs(title="<script>alert(1)</script>", validity="a < b & c").to_netcdf(

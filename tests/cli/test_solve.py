@@ -54,6 +54,7 @@ def test_an_unusable_profile_is_refused_with_its_reason(tmp_path, name, content,
     assert "gfmd allows a table of equidistant heights" in done.stderr
 
 
+@pytest.mark.long
 def test_a_prescribed_displacement_has_no_pressure_in_the_table_but_a_picture(tmp_path):
     changes = {
         "{reduced_pressure: 0.05}": "{displacement: 1e-4}",
@@ -94,6 +95,7 @@ def test_solve_follows_a_path(tmp_path):
     assert "raise numerics.max_iterations" in said
 
 
+@pytest.mark.long
 def test_an_unstable_run_says_when_and_by_which_wave(tmp_path, monkeypatch):
     scene, out = tmp_path / "scene.yaml", tmp_path / "out.nc"
     scene.write_text(SCENE + "path: [{reduced_pressure: 0.1}]\nnumerics: {solver: verlet}\n")
@@ -127,6 +129,7 @@ def test_only_a_run_that_has_not_converged_is_told_the_residual_it_found(tmp_pat
     assert ("iterations at a residual of 3.2e-07: " in said) == (status == Status.steps_used_up)
 
 
+@pytest.mark.long
 def test_pull_off_and_what_the_whole_path_loses_are_printed_below_its_steps(tmp_path):
     law = "{hard_wall: {}, exponential: {work_of_adhesion: 0.1, range: 2e-7}}"
     pulled = SCENE.replace("{hard_wall: {}}", law).replace("{reduced_pressure: 0.05}", "{displacement: -1e-7}")

@@ -104,6 +104,7 @@ def test_without_an_output_nothing_is_written_and_programs_read_json(folder, tmp
     assert (tmp_path / "out.png").exists()
 
 
+@pytest.mark.long
 def test_what_is_not_finite_is_null_in_json(folder, tmp_path):
     closed = xr.load_dataset(folder / "map.nc")
     closed["gap"] *= 0.0

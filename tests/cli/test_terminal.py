@@ -57,8 +57,9 @@ surface surface.yaml -o surface.nc
 verify small
 """
 LINES, LONG = COMMANDS.strip().splitlines(), pytest.mark.long
-RARE = ("accuracy", "doctor", "plan campaign.yaml --target", "statistics map", "curve one.yaml --loads 1e-3:1:2 --real")
-RARE += ("curve broken", "leakage map", "run broken", "conductance steps")
+RARE = ("accuracy", "doctor", "plan campaign.yaml", "statistics map", "statistics steps", "curve one", "curve broken")
+RARE += ("leakage", "run campaign", "run means", "run broken", "conductance steps", "fit small --fixed", "plot small")
+RARE += ("report small", "collect small")
 
 
 @pytest.fixture(scope="module")

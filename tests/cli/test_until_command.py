@@ -33,6 +33,7 @@ def reached(tmp_path_factory, laws_that_hold):
     return folder / "out", done
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("options", "own"), [([], True), (["--fixed=eps_c=1.5"], True), (["--fixed=eps_f=1"], False)])
 def test_a_fit_tells_how_a_run_ended_only_if_it_is_that_of_the_run(reached, options, own):
     said = gfmd("fit", reached[0], *options)
@@ -40,6 +41,7 @@ def test_a_fit_tells_how_a_run_ended_only_if_it_is_that_of_the_run(reached, opti
     assert ("until kappa to 4.00%" in unfolded(said.stdout)) == own
 
 
+@pytest.mark.long
 def test_a_run_prints_the_fit_by_which_it_ended_and_makes_no_other(reached, monkeypatch):
     monkeypatch.delattr(gfmd_numba, "fit_tfc")
     again = gfmd("run", reached[0] / "campaign.yaml", "-o", reached[0], "--workers=0", "--until=kappa=4%")
@@ -72,6 +74,7 @@ def test_everything_fits_a_terminal(reached):
     assert max(len(line) for line in lines if str(reached[0]) not in line) <= 80
 
 
+@pytest.mark.long
 def test_two_pictures_are_drawn(reached, tmp_path):
     out, done = reached
     assert (out / "small.png").is_file()
@@ -98,6 +101,7 @@ def test_the_picture_shows_rounds_and_target(reached):
     np.testing.assert_array_equal(drawn.get_ydata(), results["round_error"])
 
 
+@pytest.mark.long
 def test_fit_shows_the_rounds_again(reached):
     assert "kappa to 4.00%: reached" in unfolded(gfmd("fit", reached[0]).stdout)
 

@@ -47,12 +47,14 @@ def drawn_off(series, seconds=None, steps=4, modulus=1.0, highest=DEEPEST, **num
     return found if series is None else found.isel(step=slice(1, None))
 
 
+@pytest.mark.long
 def test_a_slow_path_is_that_of_the_relaxed_body():
     slow, elastic = drawn_off(STANDARD, 1e7, steps=2), drawn_off(None, steps=2)
     np.testing.assert_allclose(slow["mean_pressure"], elastic["mean_pressure"], atol=1e-3 * 6.7e-3)
     np.testing.assert_array_equal(slow["gap"] == 0.0, elastic["gap"] == 0.0)
 
 
+@pytest.mark.long
 def test_a_load_at_once_is_that_of_the_glassy_body():
     glassy = drawn_off(None, modulus=4.0, steps=1)
     first = gfmd_numba.solve(
@@ -103,6 +105,7 @@ def adhesive_problem(path, series=STANDARD, load=0.05, tolerance=1e-3, n=64, see
     )
 
 
+@pytest.mark.long
 def test_work_is_stored_dissipated_or_in_the_law_where_nothing_jumps():
     """Drawn off by a little from rest, so that the contact only shrinks."""
     steps = 16

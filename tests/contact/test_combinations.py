@@ -83,6 +83,11 @@ def test_an_incompressible_value_of_a_grid_is_refused_to_a_solver_without_a_rigi
     assert "grid.poissons_ratio[1]: you gave 0.5; gfmd allows a number below 0.5 with solver verlet" in said
 
 
+def test_a_hardness_of_a_grid_alone_is_refused_what_one_of_the_scene_is(tmp_path):
+    text = changed(changed(CAMPAIGN, *FRICTION), "grid: {hurst: [0.3, 0.5]}", "grid: {hardness: [0.1, 0.2]}")
+    assert "gfmd allows a hard_wall without hardness, as" in complaint(tmp_path, load_campaign, text)
+
+
 def test_what_is_not_refused_has_a_solver():
     laws = (["hard_wall"], ["exponential"], ["hard_wall", "exponential"], ["cohesive"], ["hard_wall", "friction"])
     others = product(("dimension 1", "dimension 2"), laws, ([], ["rigid mean"]))

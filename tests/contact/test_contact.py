@@ -85,7 +85,7 @@ def test_all_solvers_find_the_same_contact():
                 np.testing.assert_allclose(other, verlet, atol=1e-6 * verlet.max())
 
 
-@pytest.mark.parametrize("nx", [16, 64])
+@pytest.mark.parametrize("nx", [16, pytest.param(64, marks=pytest.mark.long)])
 @pytest.mark.parametrize("load", [1e-6, 1e-3, 0.0032, 0.01, 10.0])
 def test_one_or_two_touching_nodes_and_full_contact_are_solved(nx, load):
     """Where conjugate directions go stale or vanish, and every solver still has to end with the same contact."""
@@ -204,6 +204,7 @@ def test_displacement_is_in_units_of_length():
     np.testing.assert_allclose(by_displacement["displacement"], by_load["displacement"], atol=1e-6 * down)
 
 
+@pytest.mark.long
 def test_measured_profile_is_taken_as_it_is(tmp_path):
     x = np.arange(256) / 256
     heights = 2e-6 * np.cos(2 * np.pi * x) + 1e-6

@@ -6,6 +6,7 @@ from scipy.integrate import quad
 from scipy.interpolate import CubicSpline
 
 import gfmd_numba
+from support.cases import some_of
 from support.viscoelastic import STANDARD, THREE, modulus, relaxation
 
 pytestmark = pytest.mark.filterwarnings("ignore:after some .* fully relaxed")  # limits
@@ -30,7 +31,7 @@ def solved(series, loading, path, friction=0.3, dimension=1, body=SLAB, **more):
     return found
 
 
-@pytest.mark.parametrize(("dimension", "friction"), [(1, 0.2), (1, np.inf), (2, 0.2)])
+@pytest.mark.parametrize(("dimension", "friction"), some_of([(1, 0.2), (1, np.inf), (2, 0.2)], 0))
 def test_where_the_punch_stands_still_all_tractions_relax_as_the_modulus(dimension, friction):
     """Stick and slip stay where they were."""
     times, at_once = np.array([0.1, 20.0]), [{"sliding": 2e-4} | ({"sliding_y": 1e-4} if dimension == 2 else {})]
@@ -68,6 +69,7 @@ def test_a_punch_that_sticks_all_over_meets_the_memory_of_a_slab():
         assert float(found["mean_tangential_traction"][i]) == pytest.approx(expected, rel=1e-8)
 
 
+@pytest.mark.long
 def test_loads_at_once_find_a_glassy_body_and_slow_ones_a_relaxed_one():
     """The elastic path is divided as often as the slow one, as friction depends on the way."""
     loads, ways = np.linspace(0.05, 0.1, 5)[1:], np.linspace(0.0, 4e-4, 5)[1:]

@@ -108,6 +108,7 @@ def test_a_cone_is_that_of_sneddon():
     assert float(found["contact_radius"]) == pytest.approx(a, rel=3e-5)
 
 
+@pytest.mark.long
 def test_edges_are_located_where_pressure_is_a_root_of_their_distance():
     """A thin slab, a ball of few nodes, and one that attracts: their radius is that of the corrected nodes."""
     ball, load = {"radius": 5.0}, 4.0 * 0.25**3 / 15.0

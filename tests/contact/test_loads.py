@@ -115,6 +115,7 @@ def test_a_force_on_a_profile_is_refused(tmp_path):
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["pressure", "force"])
 def test_a_campaign_varies_each_load(name, tmp_path):
     loading, parts, unit = LOADED[name]

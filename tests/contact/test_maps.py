@@ -37,6 +37,8 @@ def test_a_wave_in_both_directions_touches_everywhere_at_the_pressure_of_its_clo
     assert above.touching.all()
     np.testing.assert_allclose(above.pressure[0], 1.01 * flat_at + flat_at * wave / amplitude, rtol=1e-6)
     assert not press(punch, 0.99 * flat_at).touching.all()
+    # of maps whose waves have one length: the least that there is (Nayak, J. Lubr. Technol. 93:398, 1971)
+    assert evaluation.nayak(Contact(-punch, punch, above))[0] == pytest.approx(1.5)
 
 
 def test_a_paraboloid_makes_the_point_contact_of_hertz():

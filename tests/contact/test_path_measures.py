@@ -11,6 +11,7 @@ from gfmd_numba.contact.load_path import PathRecord, solve_path
 from gfmd_numba.contact.validity import _coarse_steps
 from gfmd_numba.fourier import grid
 from gfmd_numba.scene import load_scene
+from support.cases import some_of
 from support.friction_losses import slipping_losses
 
 SCENE = {
@@ -23,6 +24,7 @@ LAW = {"work_of_adhesion": -1e-6, "range": 1e-3}
 FILE = {"scene": SCENE, "discretisation": {"eps_c": 1 / 4, "eps_f": 1 / 8, "eps_t": 1 / 2}, "seed": 1}
 
 
+@pytest.mark.long
 def test_a_cycle_of_pressure_on_a_half_space_loses_what_slips():
     """No energy of the mean displacement is known there; the work of the pressure makes up for it."""
     steps = 3
@@ -35,7 +37,9 @@ def test_a_cycle_of_pressure_on_a_half_space_loses_what_slips():
     assert taken > 0.0
 
 
-@pytest.mark.parametrize(("there", "back", "law"), [(1, 3, {}), (6, 3, {"exponential": LAW})], ids=["wall", "law"])
+@pytest.mark.parametrize(
+    ("there", "back", "law"), some_of([(1, 3, {}), (6, 3, {"exponential": LAW})], 1), ids=["wall", "law"]
+)
 def test_every_step_of_a_pressure_loses_what_slips_and_no_more(there, back, law):
     """Also where the way back has other steps: what only repels takes no energy, however long the steps are."""
     loads = [*np.linspace(0.02, 0.1, there + 1)[1:], *np.linspace(0.1, 0.02, back + 1)[1:]]
@@ -49,9 +53,10 @@ def test_every_step_of_a_pressure_loses_what_slips_and_no_more(there, back, law)
     assert taken.sum() > 0.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("dimension", "law"),
-    [(1, {"exponential": LAW}), pytest.param(2, {"exponential": LAW}, marks=pytest.mark.long)],
+    [(1, {"exponential": LAW}), (2, {"exponential": LAW})],
 )
 def test_slip_that_reverses_within_a_step_loses_as_much_as_in_short_steps(dimension, law):
     """Slip loses its friction, wherever in the step it turns round, but for pressures that change in the step."""

@@ -85,7 +85,7 @@ def test_each_step_is_bounded_least_squares_on_the_punch_that_the_last_one_left(
 
 @pytest.mark.parametrize("shape", [(512,), (32, 32)])
 @pytest.mark.parametrize("body", [ElasticBody(None, None), ElasticBody(0.5, 0.05), ElasticBody(0.49, 0.02)])
-@pytest.mark.parametrize("hardness", [0.05, 0.3])
+@pytest.mark.parametrize("hardness", [0.05, pytest.param(0.3, marks=pytest.mark.long)])
 def test_many_steps_of_a_growing_load_are_one(shape, body, hardness):
     loads = 0.6 * hardness * np.arange(1, 7) / 6
     problems, many = steps(rough(shape), loads, hardness, body)
@@ -187,6 +187,7 @@ def test_two_rough_bodies_dent_as_a_rigid_punch_of_all_heights_at_order_0():
     assert two["plastic_depth"].attrs["units"] == two["mean_plastic_depth"].attrs["units"] == "m"
 
 
+@pytest.mark.long
 def test_a_campaign_records_what_one_contact_does(tmp_path):
     file = scene(HARD)
     kept = {"name": "dents", "seed": 5, "realisations": 2, "scene": file["scene"], "path": file["path"]}
@@ -217,6 +218,7 @@ def test_a_load_curve_that_falls_unloads():
     assert float(falls["contact_stiffness"][0]) > 1.1 * float(rises["contact_stiffness"][1])
 
 
+@pytest.mark.long
 def test_the_picture_shows_the_punch_as_it_was_made():
     labels = [text.get_text() for text in plot_contact(gfmd_numba.solve(scene(HARD))).legends[0].get_texts()]
     assert "original punch" in labels

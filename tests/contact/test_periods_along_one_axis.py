@@ -119,7 +119,7 @@ def test_all_displacements_are_those_in_a_long_period_but_for_what_is_uniform(bo
     ],
     ids=["half-space", "friction on a slab"],
 )
-@pytest.mark.parametrize("axis", ["x", "y"])
+@pytest.mark.parametrize("axis", ["x", pytest.param("y", marks=pytest.mark.long)])
 def test_a_cylinder_along_the_period_is_that_of_a_profile(axis, more, way):
     loading, flat = {"displacement": 0.01}, 1e9
     of_map = {"radius": 4.0, "radius_y": flat} if axis == "y" else {"radius": flat, "radius_y": 4.0}
@@ -144,6 +144,7 @@ def test_a_cylinder_along_the_period_is_that_of_a_profile(axis, more, way):
     assert found["x" if axis == "y" else "y"].attrs["points_per_window"] == 64
 
 
+@pytest.mark.long
 def test_a_cylinder_slips_partly_as_cattaneo_and_mindlin_have_it():
     """Dragged to where 0.6 of the force of full slip is reached; shear follows pressure (Johnson, 7.2)."""
     a, friction, held, radius = 0.2, 0.5, 0.6, 4.0
@@ -331,6 +332,7 @@ def test_a_measured_map_is_treated_along_its_period_alone(axis):
         gfmd_numba.solve({"scene": scene | {"roughness": roughness | {"periodic": "mirror"}}})
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:.*the contact reaches the edge")
 def test_curves_and_campaigns_take_it(tmp_path):
     scene = {"body": {"poissons_ratio": 0.3}, "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.1}}

@@ -40,6 +40,7 @@ def pull_off(nodes):
     return most, law.softening / body[-1]
 
 
+@pytest.mark.long
 def test_pull_off_of_a_wave_is_off_by_what_x_says():
     """Johnson, Int. J. Solids Struct. 32:423 (1995): p = p* sin^2 psi - (2 E* w tan psi / L_x)^(1/2)."""
     psi = np.linspace(1e-3, 0.6, 100001)
@@ -88,10 +89,11 @@ def test_pull_off_tends_to_that_of_a_rigid_body():
     assert first_pull_off(128, WORK, tabor)[0] == pytest.approx(exact, rel=1e-3)
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore")  # of the grid and of slopes
 @pytest.mark.parametrize(
     ("laws", "step", "most"),
-    [(["hard_wall", "exponential"], 0.4, 6.105), pytest.param(["lennard_jones"], 0.2, 6.097, marks=pytest.mark.long)],
+    [(["hard_wall", "exponential"], 0.4, 6.105), (["lennard_jones"], 0.2, 6.097)],
 )
 def test_pull_off_of_a_stiff_tip_does_not_depend_on_the_step(laws, step, most):
     """Without a jump, and of two elastic bodies, whose steps are not divided; in nN, as steps of 0.002 nm find it."""

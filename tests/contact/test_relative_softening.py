@@ -21,19 +21,19 @@ ADHESIVE = {"work_of_adhesion": WORK, "range": RANGE}
 
 
 @pytest.mark.parametrize(
-    "energy",
+    ("law", "name", "energy"),
     [
-        (ExponentialLaw(0.3, 0.2), lambda law, gap: law.energy(gap)),
-        (ExponentialLaw(-0.3, 0.2), lambda law, gap: law.energy(gap)),
-        (XuNeedlemanLaw(0.3, 0.2, 0.4), lambda law, gap: law.energy(gap, 0.0 * gap)),
+        (ExponentialLaw(0.3, 0.2), "softening", ExponentialLaw.energy),
+        (ExponentialLaw(-0.3, 0.2), "softening", ExponentialLaw.energy),
+        (XuNeedlemanLaw(0.3, 0.2, 0.4), "softening", lambda law, gap: law.energy(gap, 0.0 * gap)),
+        (XuNeedlemanLaw(0.3, 0.2, 0.4), "slip_softening", lambda law, slip: law.energy(0.0 * slip, slip)),
     ],
-    ids=["attraction", "repulsion", "cohesive"],
+    ids=["attraction", "repulsion", "cohesive", "slip"],
 )
-def test_softening_is_the_largest_negative_curvature_of_the_energy(energy):
-    law, of = energy
-    gap, h = np.linspace(0.0, 2.0, 20001), 1e-4
-    curvature = (of(law, gap + h) - 2 * of(law, gap) + of(law, gap - h)) / h**2
-    assert law.softening == pytest.approx(max(-curvature.min(), 0.0), rel=1e-5, abs=1e-4)
+def test_softening_is_the_largest_negative_curvature_of_the_energy(law, name, energy):
+    way, h = np.linspace(0.0, 2.0, 20001), 1e-4
+    curvature = (energy(law, way + h) - 2 * energy(law, way) + energy(law, way - h)) / h**2
+    assert getattr(law, name) == pytest.approx(max(-curvature.min(), 0.0), rel=1e-5, abs=1e-4)
 
 
 def problem(nx, interface, body=None, counter=None):

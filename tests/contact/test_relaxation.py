@@ -60,6 +60,7 @@ def dwells(times, **more):
     return [{"duration": end - start, **more} for start, end in zip((0.0, *times), times, strict=False)]
 
 
+@pytest.mark.long
 def test_under_a_constant_load_a_rough_profile_is_the_elastic_one_of_the_creep_compliance():
     """Lee and Radok: of a contact that only grows all but the pressure is that of E* = 1 / J(t)."""
     creeping = solved(scene(series=THREE), dwells(TIMES), time_tolerance=1e-2)
@@ -75,6 +76,7 @@ def test_under_a_constant_load_a_rough_profile_is_the_elastic_one_of_the_creep_c
     np.testing.assert_allclose(creeping["time"], [0.0, *TIMES])
 
 
+@pytest.mark.long
 def test_its_statistics_are_those_of_the_elastic_one_too():
     """Pressures count over those of full contact with E* = 1 / J(t), however the steps are divided."""
     creeping = solved(scene(series=STANDARD), dwells(TIMES), time_tolerance=0.05)
@@ -189,6 +191,7 @@ def test_a_ball_creeps_as_lee_and_radok_say():
         assert float(found["approach"][i]) == pytest.approx(radius**2 / 4.0, rel=2e-3)
 
 
+@pytest.mark.long
 def test_a_ball_is_unloaded_as_ting_says():
     """Approach at an even speed and back: the contact is that of the time t1 with int_t1^t E(t - s) d(approach) = 0."""
     deepest, turn = 0.25**2 / 4.0, 1.0
@@ -270,6 +273,7 @@ def worst_of(seed, tolerance, monkeypatch):
     return max(errors), found[-1].time_error
 
 
+@pytest.mark.long
 def test_automatic_steps_hold_their_tolerance(monkeypatch):
     error, reported = worst_of(1, 5e-2, monkeypatch)
     assert error <= reported <= 5e-2

@@ -46,6 +46,7 @@ def test_rounds_that_move_apart_on_one_side_are_left_alone():
     assert rounds_taken(np.concatenate(([1.02], np.full(SIZE - 1, 0.1)))) is None
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore")
 def test_a_stiff_coating_that_valleys_thin_to_a_half_is_solved_at_the_first_order():
     """Plain rounds come nearer by a factor of 0.72 each, and 30 of them are not enough."""
@@ -71,6 +72,7 @@ def test_a_stiff_coating_that_valleys_thin_to_a_half_is_solved_at_the_first_orde
     assert off < 5.0 * float(first["next_order"])
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore")
 def test_steep_bodies_under_steep_punches_come_to_rest():
     """Plain rounds jump between two states for ever in the first scene, and come nearer by 8 % in the second."""

@@ -29,6 +29,7 @@ def test_a_wave_may_slide_a_quarter_of_its_length(waves):
         slide([0.26 / waves], waves)
 
 
+@pytest.mark.long
 def test_the_farthest_step_of_a_path_counts_and_the_way_back_does_not():
     assert slide([0.05, -0.05] * 3) == ""
     with pytest.warns(UserWarning, match=r"has slid past the body, 0.32 times .*\(in step 1 of 2\)$"):

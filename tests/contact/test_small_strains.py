@@ -152,6 +152,7 @@ def test_times_and_rates_far_outside_the_relaxation_times_are_told(path, loading
     assert said in "".join(others)
 
 
+@pytest.mark.long
 def test_a_creep_curve_tells_its_strains_with_the_time_of_the_numbers():
     body = SCENE["body"] | {"relaxation": [{"modulus": "30 GPa", "time": "1 s"}]}
     scene = SCENE | {"body": body, "loading": {"pressure": f"{0.1 * MODULUS} Pa"}}

@@ -12,6 +12,7 @@ from gfmd_numba.contact.processes import PunchWear
 from gfmd_numba.contact.solution import begin, solve
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.scene.scene_file import load_scene
+from support.cases import some_of
 
 EPS = {1: {"eps_c": 1 / 4, "eps_f": 1 / 8, "eps_t": 1 / 2}, 2: {"eps_c": 1 / 2, "eps_f": 1 / 4, "eps_t": 1 / 2}}
 
@@ -39,7 +40,7 @@ def solved(scene, path, **more):
 
 
 @pytest.mark.filterwarnings("ignore:the contact reaches the edge of the window")
-@pytest.mark.parametrize(("dimension", "periodic", "body"), [(1, False, SLAB), (2, True, {})])
+@pytest.mark.parametrize(("dimension", "periodic", "body"), some_of([(1, False, SLAB), (2, True, {})], 0))
 def test_the_worn_volume_is_rate_times_load_times_way(dimension, periodic, body):
     """However the way is divided, whichever way it goes, and under a load that changes evenly with the way."""
     path = [{"sliding": 0.05}, {"sliding": 0.07, "reduced_pressure": 0.08}, {"sliding": 0.01}]
@@ -82,6 +83,7 @@ def test_a_sine_wears_to_its_flat():
     assert np.ptp(pressure) < 0.1 * pressure.mean()
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:the contact reaches the edge of the window")
 def test_a_body_that_creeps_wears_the_same_volume():
     whole = scene(periodic=False, relaxation=[{"modulus": 3.0, "time": 1.0}])
@@ -171,7 +173,7 @@ def test_each_node_wears_by_its_own_slip():
     np.testing.assert_allclose(worn, expected, atol=1e-10 * worn.max())
 
 
-@pytest.mark.parametrize("coefficient", [None, 0.3])
+@pytest.mark.parametrize("coefficient", [None, pytest.param(0.3, marks=pytest.mark.long)])
 def test_divisions_of_short_steps_are_of_second_order(coefficient):
     file = rubbing([{"sliding": 5e-4}], coefficient=coefficient)
     depths = [followed(file, divisions)[1][-1].after.memory["worn"] for divisions in (8, 16, 32)]

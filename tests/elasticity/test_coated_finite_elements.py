@@ -35,6 +35,7 @@ def edges(rows):
     return np.concatenate((np.linspace(-COATING - BELOW, -COATING, rows)[:-1], np.linspace(-COATING, 0.0, rows)))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", STACKS)
 def test_a_coated_body_pressed_everywhere_converges_to_the_fields_inside(name):
     body, errors = STACKS[name], []

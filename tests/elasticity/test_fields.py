@@ -9,6 +9,7 @@ from inner_fields import inside
 from gfmd_numba.elasticity import fields
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
+from support.cases import some_of
 
 RATIOS = [-0.9, 0.0, 0.25, 0.33, 0.4999, 0.4999999999, 0.5]
 BODIES = [ElasticBody(nu, a) for nu in (0.0, 0.33, 0.4999999, 0.5) for a in (None, 0.01, 0.3, 1.0, 50.0)]
@@ -27,7 +28,7 @@ def exact(k, y, nu):
     return waves(y) * waves(k)[:2, :] ** -1
 
 
-@pytest.mark.parametrize("nu", RATIOS)
+@pytest.mark.parametrize("nu", some_of(RATIOS, 0, 3, 6))
 def test_transfer_is_2_4(nu):
     for k in [*np.logspace(-5, 2.4, 12), 0.999, 1.001]:
         for part in (0.0, 1e-3, 0.6, 1.0):

@@ -22,6 +22,7 @@ def test_rows_grow_from_the_top():
     np.testing.assert_allclose(heights[1:-1] / heights[2:], heights[-2] / heights[-1], rtol=1e-6)
 
 
+@pytest.mark.long
 def test_stresses_inside_a_flat_slab_converge():
     nu, a, errors = 0.3, 0.5, []
     for columns, rows in ((8, 8), (16, 16), (32, 32)):

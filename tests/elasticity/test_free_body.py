@@ -107,6 +107,17 @@ def test_a_wave_of_tractions_does_positive_work_on_all_displacements(shape, nu):
     )  # no pressure is borne by tangential tractions
 
 
+def test_a_line_load_along_the_surface_moves_it_as_one_across_does_and_by_poisson_s_ratio_out_of_it():
+    """Of a half-space; the tractions add up to 0, so that its place does not matter (Johnson, 2.4 and 2.22)."""
+    n, nu, load = 64, 0.2, np.zeros(64)
+    load[[20, 40]] = n, -n
+    along, out = free_body.displaced(np.stack((load, 0.0 * load)), ElasticBody(nu, None), (True,))
+    across = free_body.displaced(load[np.newaxis], ElasticBody(nu, None), (True,))[0]
+    np.testing.assert_allclose(along, across, atol=1e-2 * np.ptp(across))  # but for the wave at Nyquist
+    between = out[25:36].mean() - 0.5 * (out[5:15].mean() + out[45:55].mean())
+    assert abs(between) == pytest.approx((1.0 - 2.0 * nu) / (1.0 - nu), rel=1e-2)
+
+
 def test_tangential_forces_displace_the_surface_as_cerruti_has_it():
     """A smooth traction along x, far away: Johnson, Contact Mechanics, (3.91), E* = 1."""
     n, nu = 64, 0.3
@@ -117,7 +128,7 @@ def test_tangential_forces_displace_the_surface_as_cerruti_has_it():
     force = traction[0].sum() / n**2
     u = free_body.response((n, n), ElasticBody(nu, None), couples=True).apply(traction)[:, :n, :n]
     modulus = 0.5 * (1.0 - nu)  # G
-    for y, x in ((24, 50), (60, 50), (50, 14), (60, 60)):
+    for y, x in ((24, 50), (24, 62), (60, 50), (50, 14), (60, 60)):
         dx, dy = (x - 14) / n, (y - 24) / n
         r = np.hypot(dx, dy)
         scale = force / (2.0 * np.pi * modulus * r)

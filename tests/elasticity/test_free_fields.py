@@ -6,6 +6,7 @@ import pytest
 from gfmd_numba.elasticity import fields, free_body, free_fields
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.moduli import Material
+from support.cases import some_of
 
 NAMES = fields.DISPLACEMENTS + fields.STRAINS + fields.STRESSES
 LAYERS = ElasticBody.layered((0.05, 0.15), (Material(1.0, 0.3), Material(0.3, 0.4)), None)
@@ -77,7 +78,7 @@ def cerruti(nu, x, y, depth):
     }
 
 
-@pytest.mark.parametrize("nu", [0.05, 0.3, 0.5])
+@pytest.mark.parametrize("nu", some_of([0.05, 0.3, 0.5], 1))
 @pytest.mark.parametrize(("direction", "exact"), [(2, boussinesq), (0, cerruti)])
 def test_far_from_a_loaded_node_fields_are_those_of_a_point_force(direction, exact, nu):
     """A node is not a point, but from five spacings below it the waves that it lacks are not felt."""

@@ -10,6 +10,7 @@ import pytest
 
 from gfmd_numba.elasticity import free_body
 from gfmd_numba.elasticity.body import ElasticBody
+from support.cases import some_of
 from support.cells import compliance
 
 N = 64
@@ -89,7 +90,7 @@ def of_waves(x, y):
 
 @pytest.mark.parametrize(
     ("place", "differs"),
-    [((1, 0), 0.06), ((1, 1), 0.02), ((2, 0), 0.08), ((2, 1), 0.03), ((3, 3), 0.01), ((9, 4), 0.01)],
+    some_of([((1, 0), 0.06), ((1, 1), 0.02), ((2, 0), 0.08), ((2, 1), 0.03), ((3, 3), 0.01), ((9, 4), 0.01)], 0, 3, 5),
 )
 def test_their_neighbours_differ_by_a_share_that_falls_with_the_distance(of_node, place, differs):
     with mpmath.workdps(80):

@@ -17,6 +17,7 @@ from gfmd_numba.solvers.dynamics import verlet
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
 from gfmd_numba.solvers.table import Options
 from gfmd_numba.theory.damping import critical_damping, stability_limit
+from support.cases import some_of
 from support.layered_reference import compliance, surface_and_inside
 
 NUS = (-0.5, 0.0, 0.33, 0.4999, 0.5)
@@ -89,6 +90,7 @@ def test_the_compliance_is_that_of_the_reference(nu, nu_below, contrast):
     assert largest_error(layers, bases[which % 3]) < 1e-13
 
 
+@pytest.mark.long
 def test_sandwiches_of_unequal_layers_are_those_of_the_reference():
     layers = [(0.05, 1.0, 0.25), (1.0, 1e-4, 0.5), (0.3, 1e3, 0.0), (2.0, 1.0, 0.4999)]
     assert largest_error(layers, None) < 2e-12  # seven orders of magnitude between neighbours
@@ -216,7 +218,7 @@ def amplitudes_inside(body, layers, base, nx, n, depth):
 
 
 @pytest.mark.parametrize(("layers", "base"), STACKS)
-@pytest.mark.parametrize("n", [1, 2, 7])
+@pytest.mark.parametrize("n", some_of([1, 2, 7], 1))
 def test_fields_inside_are_those_of_the_reference(layers, base, n):
     body, total = body_of(layers, base), sum(layer[0] for layer in layers)
     first = layers[0][0]

@@ -12,6 +12,7 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.fields import DISPLACEMENTS, STRAINS, STRESSES
 from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.fourier import grid
+from support.cases import some_of
 
 ALL = DISPLACEMENTS + STRAINS + STRESSES
 COATED, SOFT = (Material(1.0, 0.3), Material(5.0, 0.4)), Material(0.1, 0.2)
@@ -119,7 +120,7 @@ def exact(traction, qx, qy, layers, depths):
     ],
     ids=["half-space", "slab", "layers on a half-space", "layers"],
 )
-@pytest.mark.parametrize(("kx", "ky"), [(2, 3), (1, -2), (0, 1)])
+@pytest.mark.parametrize(("kx", "ky"), some_of([(2, 3), (1, -2), (0, 1)], 1))
 def test_a_wave_of_any_direction_is_that_of_elasticity_in_three_axes(body, layers, kx, ky):
     """Of all three tractions, against matrix exponentials of the equations of elasticity in x, y and z."""
     traction, n, depths = np.array([0.3 + 0.2j, -0.7j, 1.0]), 16, [0.0, 0.01, 0.02, 0.07]
@@ -227,7 +228,7 @@ def test_waves_that_are_left_out_at_a_depth_are_not_missed(monkeypatch):
 
 @pytest.mark.long
 def test_a_section_never_holds_the_volume_in_memory():
-    n, levels = 512, 40
+    n, levels = 512, 20
     body = ElasticBody(0.3, 0.5)
     surface = fields.surface_under_tractions(random_tractions((n, n), body), body)
     tracemalloc.start()
@@ -237,5 +238,5 @@ def test_a_section_never_holds_the_volume_in_memory():
     fields.Inside((surface,), body).largest_von_mises(np.zeros(2))
     scan = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert taken < 40 * 8 * n**2  # the volume would be 600
+    assert taken < 40 * 8 * n**2  # the volume would be 300
     assert scan < 40 * 8 * n**2

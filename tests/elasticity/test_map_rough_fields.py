@@ -8,6 +8,7 @@ from gfmd_numba.elasticity import fields, topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.fields import DISPLACEMENTS, STRAINS, STRESSES
 from gfmd_numba.fourier import grid
+from support.cases import some_of
 
 NX, NY = 32, 20
 NAMES = DISPLACEMENTS + STRAINS + STRESSES
@@ -36,7 +37,9 @@ def of_profile(body, order, seed=0):
     return p, h, t, found
 
 
-@pytest.mark.parametrize(("body", "order"), [(BODIES[0], 3), (BODIES[1], 2), (BODIES[2], 1), (BODIES[2], 3)])
+@pytest.mark.parametrize(
+    ("body", "order"), some_of([(BODIES[0], 3), (BODIES[1], 2), (BODIES[2], 1), (BODIES[2], 3)], 1, 2)
+)
 def test_fields_below_a_rough_ridge_are_those_of_its_profile(body, order):
     p, h, t, expected = of_profile(body, order)
     p, h, t = (np.tile(each, (NY, 1)) for each in (p, h, t))
@@ -130,6 +133,8 @@ def test_every_order_brings_the_fields_nearer_to_those_below_the_true_surface():
             rows = ((s5, s1, s6), (s4, s6, s2), (s3, s5, s4))
             change = wanted - [s - size * (slopes[0] * along + slopes[1] * across) for s, along, across in rows]
             tractions = tractions + change
+            if abs(change).max() < 1e-7:
+                break
         assert abs(change).max() < 1e-7
         lower = ElasticBody(body.nu, body.aspect_ratio - lift)
         labels = np.array([(1 / 12, 5 / 12, -0.05), (7 / 12, 3 / 12, -0.15), (3 / 12, 10 / 12, -0.02)])

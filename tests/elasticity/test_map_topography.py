@@ -56,6 +56,8 @@ def test_every_order_brings_the_surface_nearer_to_where_the_true_one_goes():
             change = wanted - [s - slopes[0] * along - slopes[1] * across for s, along, across in rows]
             change[:2] -= change[:2].mean(axis=(1, 2), keepdims=True)
             tractions = tractions + change
+            if abs(change).max() < 1e-7:
+                break
         assert abs(change).max() < 1e-7
         flat = displaced(body)
         responses = [topography.respond(PRESSURE, heights, body, order).u3 for order in (0, 1, 2, 3)]

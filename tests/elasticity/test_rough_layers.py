@@ -70,9 +70,8 @@ def finite_elements(body, heights, depth, guess):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", BODIES)
-def test_a_rough_layered_body_is_that_of_finite_elements_with_flat_interfaces(name):
-    body, over, worst = BODIES[name], NX // (2 * COLUMNS), []
+def test_a_rough_layered_body_is_that_of_finite_elements_with_flat_interfaces():
+    body, over, worst = BODIES["hard on soft"], NX // (2 * COLUMNS), []
     for amplitude in (0.01, 0.005):
         heights, depth = -amplitude * np.cos(2 * np.pi * X), 0.5 * amplitude
         found = [solved(body, heights, depth, order) for order in (0, 1, 2)]

@@ -8,6 +8,7 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
+from support.cases import some_of
 
 SOFT, HARD = Material(1.0, 0.4), Material(20.0, 0.1)
 BODIES = {
@@ -66,7 +67,7 @@ def matrices(elements):
     return np.moveaxis(found, (0, 1), (-2, -1))
 
 
-@pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
+@pytest.mark.parametrize("body", some_of(BODIES.values(), 1, 3, 5), ids=BODIES)
 def test_every_wave_obeys_naviers_equations(body):
     found = matrices(body.response((32, 32)).elements)
     for ky, kx in ((0, 1), (1, 0), (-2, 3), (5, 9)):

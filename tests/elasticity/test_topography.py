@@ -40,6 +40,18 @@ def test_a_body_that_is_not_pressed_or_flat_is_left_alone(body):
     assert topography.respond(PRESSURE, 0.01 * BUMPY, body, 0).highest_order == 0.0
 
 
+@pytest.mark.parametrize("order", [1, 2])
+def test_short_waves_together_make_none_that_only_the_grid_sees(order):
+    """The waves that a coarse grid holds are those of a fine one, whichever longer wave a product would look like."""
+    found = []
+    for n in (8, 64):
+        x = 6 * np.pi * np.arange(n) / n
+        given = 0.01 * np.array([np.cos(x + 0.4), np.cos(x), np.sin(x)])
+        response = topography.respond(given[0], given[1], ElasticBody(0.3, None), order, given[2:])
+        found.append([grid.coefficients(field)[:4] for field in (response.along[0], response.u3)])
+    np.testing.assert_allclose(*found, atol=1e-13 * np.abs(found[1]).max())
+
+
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_a_uniform_topography_is_a_higher_slab(order):
     nu, a, errors = 0.3, 0.5, []

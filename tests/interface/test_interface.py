@@ -53,6 +53,7 @@ def test_traction_and_stiffness_are_derivatives_of_the_energy(law):
     assert law.softening == pytest.approx(max(-law.stiffness(fine).min(), 0.0), rel=1e-6)
     most, least = law.traction(fine).max(), law.traction(fine).min()
     assert law.strength == pytest.approx(most if most > 0.0 else least, rel=1e-6)
+    assert (law.reach > 0.0) == (most > 0.0)
 
 
 @of_each_law
@@ -178,7 +179,7 @@ def test_a_short_repulsion_is_a_hard_wall():
 
 def test_weak_adhesion_has_one_branch(tmp_path):
     law = {"work_of_adhesion": 0.02, "range": 0.05}
-    down = np.arange(-0.2, 0.02, 0.03)
+    down = np.arange(-0.2, 0.02, 0.06)
     path = np.concatenate([down, down[::-1]])
     result = nearly_flat(tmp_path, path[1:].tolist(), path[0], hard_wall={}, exponential=law)
     forces = result["mean_pressure"].values

@@ -121,6 +121,7 @@ def ridge_dragged_along_itself(nx):
     return widths, errors
 
 
+@pytest.mark.long
 def test_a_ridge_dragged_along_itself_slips_as_its_closed_form_says():
     coarse, fine = (ridge_dragged_along_itself(nx) for nx in (128, 512))
     assert max(np.abs(fine[0])) < 1.0

@@ -9,6 +9,7 @@ from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.patterned import PatternedLaw
 from gfmd_numba.interface.power_laws import LennardJonesLaw
 from gfmd_numba.scene import InputError
+from support.cases import some_of
 
 N = 64
 LAW = {"work_of_adhesion": 1e-4, "range": 0.01}
@@ -56,7 +57,7 @@ def test_each_half_is_as_if_it_were_everywhere(tmp_path, dimension, axis):
 
 
 @pytest.mark.filterwarnings("ignore:the contact reaches the edge")
-@pytest.mark.parametrize(("shape", "periodic"), [((N,), True), ((16, 16), False)])
+@pytest.mark.parametrize(("shape", "periodic"), some_of([((N,), True), ((16, 16), False)], 0))
 def test_a_uniform_pattern_is_another_work_of_adhesion(tmp_path, shape, periodic):
     changes = {"periodic": periodic, "body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5}}
     half = solve(tmp_path, np.full(shape, 0.5), shape, (0.0, -1e-3), **changes)
@@ -170,6 +171,7 @@ def test_the_wall_alone_parts_nodes_under_a_pattern_and_in_full_contact(tmp_path
         assert found["kappa_residual_error"] < 1e-6
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore")  # of a campaign so small
 def test_a_campaign_has_a_pattern_on_its_one_grid(tmp_path):
     """As the work of adhesion it multiplies: half the pattern is half the work."""

@@ -59,7 +59,7 @@ def test_a_block_that_slides_bears_the_coefficient_of_its_speed_times_the_pressu
     assert found["time"].values[-1] == pytest.approx(2.0 + duration)
 
 
-@pytest.mark.parametrize("dimension", [1, 2])
+@pytest.mark.parametrize("dimension", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_slow_slip_is_that_of_coulomb_and_faster_slip_meets_more_resistance(dimension):
     """A ball on a slab in partial slip, as Cattaneo's and Mindlin's, dragged by 0.2 um in one second and in 1e12."""
     changes = {"dimension": dimension, "form": {"radius": "1 mm", "points": 32}, "loading": SCENE["loading"]}

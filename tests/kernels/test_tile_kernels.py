@@ -244,7 +244,8 @@ def test_gaps_in_contact_have_a_mean_and_a_variance(kernel, rng):
 def test_wrong_gaps_are_those_in_contact_and_overlaps_elsewhere(kernel, rng):
     gap = rng.normal(size=(TILES.size, SIDE, SIDE))
     contact = rng.random(gap.shape) < 0.5
-    assert kernel(gap, contact) == (abs(gap[contact]).max(), -gap[~contact].min())
+    for signed in (gap, -gap):
+        assert kernel(signed, contact) == (abs(signed[contact]).max(), -signed[~contact].min())
     assert kernel(abs(gap), np.zeros_like(contact)) == (0.0, 0.0)
 
 

@@ -28,7 +28,7 @@ CHAPTER_4 = (
     ("eps_f: 1/1024, eps_t: 1/2}", "eps_f: 1/32, eps_t: 1/2}"),
     ("[1/512, 1/1024, 1/2048, 1/4096]", "[1/16, 1/32, 1/64, 1/128]"),
 )
-ROUGH_BODIES = (("1 / 32", "1 / 8"),)
+ROUGH_BODIES = (("1 / 32", "1 / 8"), ("(0.003, 0.01, 0.03, 0.1, 0.2)", "(0.01, 0.1)"))
 PATHS = (
     ("realisations = 3", "realisations = 2"),
     ("1 / 32", "1 / 4"),
@@ -37,13 +37,13 @@ PATHS = (
     ("-4e-3, 3e-3, 8", "-4e-3, 3e-3, 3"),
     ("[2e-5, 4e-5, 6e-5, 8e-5]", "[5e-6, 1e-5]"),
     ("same.isel(case=3", "same.isel(case=1"),
-    ("-7e-3, 21", "-7e-3, 8"),
+    ("-7e-3, 21", "-7e-3, 5"),
     ("1.5e-3, 1024", "1.5e-3, 256"),
     ("3.2, 4.0", "1.7, 1.8"),
     ("-0.065, 51", "-0.065, 8"),
 )
 RUBBER = (("1 / 16", "1 / 8"), ("1e3, 9", "1e3, 3"), ("1e2, 10", "1e2, 4"), ("realisations=2", "realisations=1"))
-FEWER_SURFACES = ('"--realisations", "8"', '"--realisations", "4"')
+FEWER_SURFACES = ('"--realisations", "8"', '"--realisations", "2"')
 # a file, what is shrunk in it and in the notebooks that read it; notebooks of no file need none
 NOTEBOOKS = {
     "given-levels.yaml": ((*QUICKSTART, FEWER_SURFACES), "01-first-campaign", "02-tfc-limit", "04-what-accuracy-costs"),

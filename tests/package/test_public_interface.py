@@ -27,7 +27,7 @@ SURFACE = {
 CAMPAIGN = {
     "name": "small",
     "seed": 1,
-    "realisations": 2,
+    "realisations": 1,
     "scene": {key: value for key, value in SCENE.items() if key != "discretisation"},
     "reference": {"eps_c": 0.5, "eps_f": 0.25, "eps_t": 1},
 }

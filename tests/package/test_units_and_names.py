@@ -92,7 +92,10 @@ KINDS = {
 }
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    "kind",
+    [pytest.param(kind, marks=pytest.mark.long) if kind in ("fields of a path", "leakage") else kind for kind in KINDS],
+)
 def test_a_dataset_says_what_each_of_its_numbers_is(kind, tmp_path):
     found = KINDS[kind]()
     described(found)

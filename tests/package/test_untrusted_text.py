@@ -58,7 +58,7 @@ def test_what_a_file_says_is_escaped(tmp_path, name, load):
     "command",
     ["check", "run", "plan", "solve", "curve --loads=0.1", "surface", "fit", "plot", "fields", "statistics", "status"],
 )
-@pytest.mark.parametrize("there", [True, False])
+@pytest.mark.parametrize("there", [True, pytest.param(False, marks=pytest.mark.long)])
 def test_a_name_is_escaped_in_what_a_command_says(tmp_path, command, there):
     path = tmp_path / f"{EVIL}.yaml"
     if there:

@@ -155,6 +155,7 @@ def test_anisotropies_that_make_no_sense_are_refused_where_they_stand(tmp_path, 
     assert fault in str(refused.value)
 
 
+@pytest.mark.long
 def test_a_campaign_over_anisotropies_names_them(tmp_path):
     dataset = run(campaign(tmp_path, CAMPAIGN), output=tmp_path / "out", workers=0)
     assert dataset["anisotropy"].values.tolist() == [1.0] * 3 + [4.0] * 3

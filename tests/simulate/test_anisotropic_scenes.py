@@ -9,6 +9,7 @@ from gfmd_numba.analysis import plot_body, plot_campaign, plot_surface
 from gfmd_numba.analysis.plots.contact import plot_contact
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness.spectra import LengthAnisotropicSpectrum, ScalingAnisotropicSpectrum
+from support.cases import some_of
 from support.legible import faults
 
 NX = 64
@@ -23,7 +24,7 @@ SPECTRA = {
 }
 
 
-@pytest.fixture(params=MODELS)
+@pytest.fixture(params=some_of(MODELS, 1))
 def model(request):
     return request.param
 
@@ -56,6 +57,7 @@ def test_a_scene_is_solved_and_drawn_with_the_slopes_of_its_model(model):
     plot_surface(surface)
 
 
+@pytest.mark.long
 def test_a_campaign_has_the_contact_of_the_scene_and_is_drawn(model, tmp_path):
     alone = gfmd_numba.solve({"scene": scene(model), "seed": 5})
     loads = {"reduced_pressure": [0.05, 0.1]}

@@ -8,6 +8,8 @@ from click.testing import CliRunner
 
 import gfmd_numba
 from gfmd_numba.cli import main
+from gfmd_numba.contact.rough_surfaces import RoughBody, change_of_thickness
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.scene import InputError
 from gfmd_numba.solvers.status import Status
 from support.rough_bodies import BODY, ROUGH, X, measured, rough, scene
@@ -33,6 +35,12 @@ def film(folder, order, amplitude=0.02, thickness=0.05):
     return gfmd_numba.solve(scene(order, {"displacement": height / 3}, body=body))
 
 
+def test_waves_no_shorter_than_2_pi_thicknesses_change_that_of_a_film():
+    x = 2.0 * np.pi * np.arange(64) / 64
+    body = RoughBody(elastic=ElasticBody(0.3, 0.1), share=1.0, heights=0.01 * np.cos(x) + 0.02 * np.cos(2.0 * x))
+    assert change_of_thickness(body) == pytest.approx(0.1)
+
+
 def test_order_0_is_doubted_in_thin_films_and_off_by_as_much_as_it_says(tmp_path):
     with pytest.warns(UserWarning, match=r"changes its thickness by up to 0\.02 of it, which order 0 leaves out"):
         doubted = film(tmp_path, 0)
@@ -43,6 +51,7 @@ def test_order_0_is_doubted_in_thin_films_and_off_by_as_much_as_it_says(tmp_path
     assert float(doubted.peak_pressure / right.peak_pressure) - 1 == pytest.approx(0.02, rel=0.1)
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:strains are no longer small", "ignore:the heights step", "ignore:too_steep")
 def test_vertical_walls_are_too_steep_for_every_order_in_the_slope(tmp_path):
     """The rectangle of thesis (5.17), whose slope has no bound: each order would add as much as the last one."""

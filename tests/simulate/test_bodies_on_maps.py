@@ -95,7 +95,8 @@ def test_a_path_of_two_bodies_returns_to_where_it_was():
         np.testing.assert_allclose(found["pressure"].values[step], path["pressure"].values, atol=1e-8 * scale)
 
 
-@pytest.mark.parametrize(("order", "along"), [pytest.param(1, "y", marks=pytest.mark.long), (2, "x")])
+@pytest.mark.long
+@pytest.mark.parametrize(("order", "along"), [(1, "y"), (2, "x")])
 def test_higher_orders_of_a_ridge_are_those_of_the_profile(order, along):
     first, second = (0.025 * each for each in self_affine.SelfAffineWaves(0.8, 2, 8).heights((NX,), 1, range(2)))
     expected, found = (
@@ -117,6 +118,7 @@ def test_higher_orders_of_a_ridge_are_those_of_the_profile(order, along):
         np.testing.assert_allclose(cut[name], expected[name], atol=1e-7 * scale, err_msg=name)
 
 
+@pytest.mark.long
 def test_the_first_order_is_nearer_to_the_second_than_order_0_is():
     steep = ROUGH | {"rms_gradient": 0.025}
     orders = [solved(body=BODY | {"roughness": steep}, numerics={"topography_order": order}) for order in (0, 1, 2)]

@@ -189,6 +189,7 @@ def test_a_loaded_body_that_was_thinned_has_no_fields():
         gfmd_numba.body_fields(loaded.isel(x=slice(None, None, 2)))
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("undrawn")
 def test_fields_on_the_command_line(tmp_path):
     gfmd_numba.solve(scene()).to_netcdf(tmp_path / "contact.nc")

@@ -55,6 +55,7 @@ def test_the_tractions_of_a_dragged_map_are_those_of_the_law(dragged):
     assert "slip" not in dragged  # which is of touching nodes that rub
 
 
+@pytest.mark.long
 def test_the_work_of_a_drag_is_the_energy_it_stores(dragged):
     """What the trapezoidal work of steps seems to lose falls with the square of the step."""
     halved = gfmd_numba.solve(scene(drag(8)))
@@ -64,6 +65,7 @@ def test_the_work_of_a_drag_is_the_energy_it_stores(dragged):
     assert less == pytest.approx(seems_lost / 4.0, rel=0.05)
 
 
+@pytest.mark.long
 def test_a_path_with_displacement_control_and_an_incompressible_slab_is_solved():
     body = {"youngs_modulus": 1e9, "poissons_ratio": 0.5, "aspect_ratio": 0.3}
     steps = [{"displacement": 3e-8}, {"sliding_y": 3e-8}, {"displacement": -1e-8}]
@@ -73,6 +75,7 @@ def test_a_path_with_displacement_control_and_an_incompressible_slab_is_solved()
     assert (np.diff(result["mean_pressure"])[[0, 2]] * [1, -1] > 0.0).all()
 
 
+@pytest.mark.long
 def test_a_campaign_of_maps_drags_a_cohesive_contact(tmp_path):
     file = {
         "name": "cohesion-on-maps",

@@ -192,6 +192,7 @@ def test_a_strip_conducts_from_a_distance_as_it_sinks_in():
     assert conductance(gfmd_numba.solve(cylinder)) == pytest.approx(found, rel=1e-6)
 
 
+@pytest.mark.long
 def test_a_rough_ball_from_a_file_in_si_conducts_as_it_is_stiff():
     """Held, it has the stiffness dF/d(approach) = E* s^-1 times the conductance of the whole (Barber, 2003)."""
     body = {"youngs_modulus": 100e9, "poissons_ratio": 0.3}

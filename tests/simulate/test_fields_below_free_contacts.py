@@ -27,7 +27,10 @@ def pressed(a, dimension, points, nu=0.3, **more):
     return scene | more, 2.0 * a / (np.pi * RADIUS) if dimension == 2 else 0.5 * a / RADIUS
 
 
-@pytest.mark.parametrize(("dimension", "points", "largest", "at"), [(2, 64, 0.310, 0.48), (1, 256, 0.300, 0.786)])
+@pytest.mark.parametrize(
+    ("dimension", "points", "largest", "at"),
+    [pytest.param(2, 64, 0.310, 0.48, marks=pytest.mark.long), (1, 256, 0.300, 0.786)],
+)
 def test_shear_is_largest_below_the_surface_as_hertz_has_it(dimension, points, largest, at):
     """Johnson, Contact Mechanics, 3.4 and 4.2: half the difference of the principal stresses on the axis."""
     a = 0.2
@@ -42,6 +45,7 @@ def test_shear_is_largest_below_the_surface_as_hertz_has_it(dimension, points, l
         np.testing.assert_allclose(inside["peak_von_mises"] / peak, 2.0 * shear, rtol=3e-3)
 
 
+@pytest.mark.long
 def test_at_the_surface_they_are_what_was_solved():
     """Of a cylinder dragged under friction, and of a ball: tractions, and displacements from the same reference."""
     friction = {"interface": {"hard_wall": {}, "friction": {"coefficient": 0.3}}}
@@ -62,6 +66,7 @@ def test_at_the_surface_they_are_what_was_solved():
     np.testing.assert_allclose(found["displacement_3"], contact["displacement"], atol=1e-6 * deepest)
 
 
+@pytest.mark.long
 def test_lengths_and_moduli_scale_what_is_inside():
     scene, _ = pressed(0.2, 2, 32)
     one = gfmd_numba.body_fields(gfmd_numba.solve(scene), [-0.1], x=0.5)

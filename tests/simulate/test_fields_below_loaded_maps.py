@@ -126,6 +126,7 @@ def test_tractions_under_a_punch_add_to_its_own(tmp_path, friction, loading):
     np.testing.assert_allclose(fields.pressure, -normal.sel(y=0.25), atol=0.0)
 
 
+@pytest.mark.long
 def test_below_a_cohesive_map_every_step_has_its_tractions_and_displacements(tmp_path):
     path = [{"sliding": 2e-4, "sliding_y": -1e-4}, {"reduced_pressure": 0.05}]
     contact = pressed(tmp_path, COHESIVE, given=None, path=path)

@@ -116,6 +116,7 @@ def test_planes_hold_what_sections_cut_from_them(contact):
     np.testing.assert_allclose(at, planes.peak_von_mises[0], rtol=1e-9)
 
 
+@pytest.mark.long
 def test_every_step_of_a_path_has_its_fields_on_one_section():
     contact = gfmd_numba.solve(
         scene(**RUBBING) | {"path": [{"sliding": 2e-5, "sliding_y": 1e-5}, {"sliding": 0.0, "sliding_y": 1e-5}]}
@@ -242,6 +243,7 @@ def test_places_on_the_command_line_that_are_none_are_refused(contact, tmp_path)
         assert f"gfmd: {message}" in said.output
 
 
+@pytest.mark.long
 def test_a_file_that_is_no_contact_is_named_and_not_doubted_for_its_length(contact, tmp_path):
     gfmd_numba.body_fields(contact, [-0.1]).to_netcdf(tmp_path / "fields.nc")
     contact.drop_vars(["x", "pressure"]).to_netcdf(tmp_path / "other.nc")

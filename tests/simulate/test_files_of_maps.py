@@ -58,6 +58,7 @@ def test_what_maps_cannot_have_is_refused(tmp_path, old, new, where, allowed):
     assert allowed in str(refused.value)
 
 
+@pytest.mark.long
 def test_a_campaign_of_maps_gives_plausible_kappas(tmp_path):
     text = MAPS + "reference: {eps_c: 1/2, eps_f: 1/4, eps_t: 1/2}\nlimits: {eps_c: [1, 1/4]}\n"
     dataset = run(campaign(tmp_path, text), output=tmp_path / "out", workers=0)

@@ -74,6 +74,7 @@ def test_sticking_nodes_of_the_true_surface_move_with_the_punch():
     assert "energy_lost" not in found  # it is that of flat bodies
 
 
+@pytest.mark.long
 def test_each_order_is_off_by_what_the_next_one_adds():
     loads = {"reduced_pressure": 0.05}, [{"sliding": 1e-3}], 0.3
     found = [solved(order, ROUGH, *loads) for order in (0, 1, 2)]

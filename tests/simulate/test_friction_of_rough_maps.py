@@ -111,6 +111,7 @@ def test_friction_at_a_higher_order_is_drawn_and_records_no_energy_of_flat_bodie
     assert faults(plot_contact(bumps)) == []
 
 
+@pytest.mark.long
 def test_fields_below_a_map_of_higher_order_begin_with_the_displacements_of_its_surface():
     contact = solved(2, BUMPS, [])
     y = contact.y[7].item()

@@ -138,11 +138,12 @@ def test_a_cohesive_law_along_inclined_surfaces_is_that_of_finite_elements():
 @pytest.mark.long
 @pytest.mark.parametrize("interface", [FRICTION, COHESION], ids=["friction", "cohesion"])
 def test_a_nearly_rigid_counter_body_is_a_rigid_punch(interface):
-    facing = wave(X) - wave(X).mean()
+    facing = (wave(X) - wave(X).mean())[::4]
     path = [{"sliding": 1e-3}, {"displacement": 3e-3}]
     stiff = {"youngs_modulus": 1e7, "poissons_ratio": 0.2, "aspect_ratio": 1.0}
     above = heights(facing), {"counter_body": stiff | heights(facing)}
-    rigid, elastic = (solved(2, interface=interface, path=path, body=SLAB | heights(CREST), **parts) for parts in above)
+    body = SLAB | heights(CREST[::4])
+    rigid, elastic = (solved(2, interface=interface, path=path, body=body, **parts) for parts in above)
     for name in ("pressure", "tangential_traction", "tangential_displacement", "displacement"):
         np.testing.assert_allclose(elastic[name], rigid[name], atol=1e-5 * float(abs(rigid[name]).max()), err_msg=name)
 
@@ -199,7 +200,8 @@ def test_ridges_are_profiles(pair, along, interface, nx):
         np.testing.assert_allclose(of_map, profile[name], atol=1e-7 * scale, err_msg=name)
 
 
-@pytest.mark.parametrize("facing", ["punch", pytest.param("counter body", marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("facing", ["punch", "counter body"])
 def test_a_load_is_borne_along_z(facing):
     """What rubs along inclined surfaces bears a part of the load."""
     above = heights(wave(X) - wave(X).mean())

@@ -94,6 +94,7 @@ def test_without_friction_a_map_has_no_tangential_fields():
     assert not [name for name in result.variables if "tangential" in name or name in ("slip", "sliding", "sliding_y")]
 
 
+@pytest.mark.long
 def test_a_half_space_and_displacement_control_know_friction_on_maps():
     friction = {"hard_wall": {}, "friction": {"coefficient": 0.4}}
     pressed = gfmd_numba.solve(
@@ -116,6 +117,7 @@ def test_an_incompressible_half_space_needs_no_friction():
     assert "tangential_traction" not in result
 
 
+@pytest.mark.long
 def test_a_campaign_of_maps_varies_friction(tmp_path):
     file = {
         "name": "friction-on-maps",

@@ -11,7 +11,7 @@ FRICTION = 0.3
 
 
 @pytest.mark.parametrize("work", [1e-6, -1e-6])
-@pytest.mark.parametrize("nodes", [4, 7])
+@pytest.mark.parametrize("nodes", [pytest.param(4, marks=pytest.mark.long), 7])
 def test_tiny_and_odd_maps_obey_the_conditions_of_contact_on_every_step(work, nodes):
     heights = 1e-3 * np.random.default_rng(nodes).normal(size=(nodes, nodes))
     scene = {

@@ -238,6 +238,7 @@ def test_auto_is_a_solver_that_can():
     assert float(found["contact_area_fraction"]) == pytest.approx(float(solve(0.05)["contact_area_fraction"]))
 
 
+@pytest.mark.long
 def test_a_campaign_varies_the_hardness(tmp_path):
     text = CAMPAIGN.replace("ROUGHNESS", "rms_gradient: 0.1").replace("PRESSURE", "0.05")
     (tmp_path / "campaign.yaml").write_text(text)
@@ -279,6 +280,7 @@ def test_the_axis_stands_in_the_scene():
     assert axis.value(Scene.model_validate(scene()), None) is None
 
 
+@pytest.mark.long
 def test_a_study_of_solvers_runs_those_that_can():
     whole = scene() | {"interface": {"hard_wall": {"hardness": 0.1}}}
     campaign = {"name": "hard", "seed": 1, "realisations": 1, "scene": whole, "reference": EPS}

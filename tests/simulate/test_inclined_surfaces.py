@@ -94,9 +94,8 @@ def test_two_rough_bodies_are_those_of_finite_elements():
     assert together == pytest.approx(force.sum(), rel=5e-3)
 
 
-@pytest.mark.parametrize(
-    ("pair", "along"), [pytest.param("roughness", "x", marks=pytest.mark.long), ("counter_body", "y")]
-)
+@pytest.mark.long
+@pytest.mark.parametrize(("pair", "along"), [("roughness", "x"), ("counter_body", "y")])
 def test_ridges_are_profiles(along, pair):
     nx = 16
     x = np.arange(nx) / nx
@@ -159,6 +158,7 @@ def test_two_bodies_that_change_places_find_the_same():
     assert float(one["pressure"].mean()) == pytest.approx(float(two["pressure"].mean()), rel=1e-4)
 
 
+@pytest.mark.long
 def test_both_bodies_bear_the_same_forces_and_fields_know_them():
     upper = {"roughness": heights(wave(X) - wave(X).mean())}
     found = solved(2, body=SLAB | {"roughness": heights(CREST)}, counter_body=OTHER | upper)
@@ -195,7 +195,8 @@ def test_a_smooth_body_below_a_nearly_rigid_one_follows_the_inclined_punch():
     assert off(found, expected) < 0.05 * by_theory  # the mesh's own error
 
 
-@pytest.mark.parametrize("facing", ["roughness", pytest.param("counter_body", marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("facing", ["roughness", "counter_body"])
 def test_a_diagonal_ridge_is_the_profile_seen_at_an_angle(facing):
     """Half-spaces know no length: a diagonal ridge has a period shorter by the root of 2, and all lengths with it."""
     nx, root = 32, np.sqrt(0.5)

@@ -42,7 +42,9 @@ discretisation: {eps_c: 1/4, eps_f: 1/8, eps_t: 1/2}
 """
 
 
-@pytest.mark.parametrize("base", ["rigid", "{youngs_modulus: 200e9, poissons_ratio: 0.3}"])
+@pytest.mark.parametrize(
+    "base", [pytest.param("rigid", marks=pytest.mark.long), "{youngs_modulus: 200e9, poissons_ratio: 0.3}"]
+)
 def test_a_file_with_layers_is_checked_solved_and_looked_into(tmp_path, base):
     (tmp_path / "scene.yaml").write_text(YAML % base)
     contact, inside = tmp_path / "contact.nc", tmp_path / "fields.nc"
@@ -81,6 +83,7 @@ def test_fields_of_a_python_contact_change_at_the_interface_where_they_may():
         gfmd_numba.body_fields(contact, [-0.13])
 
 
+@pytest.mark.long
 def test_levels_show_both_sides_of_each_interface():
     """Stresses jump there; each layer is drawn on its own."""
     contact = gfmd_numba.solve(scene(HARD_ON_SOFT | {"base": SOFT_ON_HARD["base"]}))
@@ -149,7 +152,9 @@ def test_what_is_deeper_than_any_wave_feels_is_dropped():
     assert whole.body == ElasticBody(None, None)  # below double precision
 
 
-@pytest.mark.parametrize("body", [HARD_ON_SOFT, INCOMPRESSIBLE], ids=["hard", "incompressible"])
+@pytest.mark.parametrize(
+    "body", [pytest.param(HARD_ON_SOFT, marks=pytest.mark.long), INCOMPRESSIBLE], ids=["hard", "incompressible"]
+)
 def test_all_solvers_find_the_same_contact_on_layers(body):
     found = {}
     for solver in SOLVERS:
@@ -161,6 +166,7 @@ def test_all_solvers_find_the_same_contact_on_layers(body):
         np.testing.assert_array_equal(touching, found["verlet"], err_msg=solver)
 
 
+@pytest.mark.long
 def test_all_solvers_find_the_same_contact_at_a_given_displacement():
     found = {}
     for solver in able(["dimension 1", "hard wall"]):
@@ -174,6 +180,7 @@ def test_all_solvers_find_the_same_contact_at_a_given_displacement():
         np.testing.assert_array_equal(touching, found["verlet"], err_msg=solver)
 
 
+@pytest.mark.long
 def test_all_solvers_of_maps_find_the_same_contact_on_layers():
     found = {}
     for solver in able(["dimension 2"]):
@@ -233,6 +240,7 @@ def test_a_loaded_stack_moves_by_the_sum_of_its_layers():
         gfmd_numba.solve(file | {"body": SOFT_ON_HARD})
 
 
+@pytest.mark.long
 def test_a_campaign_with_layers_runs(tmp_path):
     campaign = {
         "name": "coated",

@@ -9,6 +9,7 @@ from gfmd_numba import InputError, load_curve, solve
 from gfmd_numba.fourier import grid
 from gfmd_numba.simulate import curve
 from gfmd_numba.theory import closed_forms
+from support.cases import some_of
 from support.contacts import scene_file
 from support.waves import AMPLITUDE, FULL, GRADIENT, wave
 
@@ -77,7 +78,11 @@ MAP = scene_file() | {"discretisation": {"eps_c": 0.25, "eps_f": 1 / 4, "eps_t":
 MAP["scene"] |= {"dimension": 2}
 
 
-@pytest.mark.parametrize("scene", [scene_file(body={"poissons_ratio": 0.33}), MAP], ids=["half-space", "map"])
+@pytest.mark.parametrize(
+    "scene",
+    [scene_file(body={"poissons_ratio": 0.33}), pytest.param(MAP, marks=pytest.mark.long)],
+    ids=["half-space", "map"],
+)
 def test_a_warm_start_ends_where_a_cold_one_does(scene):
     loads = [0.01, 0.05, 0.8]
     found = load_curve(scene, loads)
@@ -107,7 +112,7 @@ def test_loads_that_fall_give_the_same_curve_backwards():
     np.testing.assert_allclose(down["contact_stiffness"].values[::-1], up["contact_stiffness"].values, rtol=5e-2)
 
 
-@pytest.mark.parametrize("loads", [[0.1, 0.1001, 0.4], [0.4, 0.1001, 0.1], [0.4, 0.3999], [0.2]])
+@pytest.mark.parametrize("loads", some_of([[0.1, 0.1001, 0.4], [0.4, 0.1001, 0.1], [0.4, 0.3999], [0.2]], 1, 2))
 def test_the_path_of_a_curve_never_turns_back_nor_leaves_its_loads(monkeypatch, loads):
     followed = []
     solve_path = curve.solve_path
@@ -120,7 +125,9 @@ def test_the_path_of_a_curve_never_turns_back_nor_leaves_its_loads(monkeypatch, 
     assert (np.diff(pressures) <= 0).all() if loads[0] > loads[-1] else (np.diff(pressures) > 0).all()
 
 
-@pytest.mark.parametrize("interface", [{"hard_wall": {"hardness": "2 GPa"}}, {"friction": {"coefficient": 0.3}}])
+@pytest.mark.parametrize(
+    "interface", some_of([{"hard_wall": {"hardness": "2 GPa"}}, {"friction": {"coefficient": 0.3}}], 1)
+)
 def test_no_point_of_a_falling_curve_was_loaded_beyond_its_first_load(interface):
     scene = {"length": "1 mm", "body": {"youngs_modulus": "200 GPa", "poissons_ratio": 0.3, "aspect_ratio": 1.0}}
     scene |= {"roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.1}, "loading": {"pressure": "300 MPa"}}
@@ -240,6 +247,7 @@ def test_a_load_that_fails_is_marked_and_told_and_has_no_numbers():
     assert np.isnan(found["contact_area_fraction"]).all()
 
 
+@pytest.mark.long
 def test_surfaces_that_fail_are_left_out_of_the_mean(monkeypatch):
     """All but the first of three at the first load, all at the second: a mean without an error, and none."""
     solved = curve.solve_curve
@@ -273,6 +281,7 @@ def test_every_column_says_what_it_is():
         assert variable.attrs["units"] if name != "status" else variable.attrs["flag_meanings"]
 
 
+@pytest.mark.long
 def test_rough_bodies_and_laws_have_load_curves():
     rough = scene_file(body={"poissons_ratio": 0.33, "roughness": scene_file()["scene"]["roughness"]}, roughness=None)
     assert (load_curve(rough, [0.05, 0.1])["contact_stiffness"] > 0).all()

@@ -73,6 +73,7 @@ def displacements(found):
     return np.stack([found[name].values for name in names if name in found])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("order", "off"), [(0, 5e-5), (2, 3e-8)])
 def test_tractions_on_a_rough_slab_displace_it_as_finite_elements_say(finite_elements, tmp_path, order, off):
     along, normal = tractions(X)
@@ -84,6 +85,7 @@ def test_tractions_on_a_rough_slab_displace_it_as_finite_elements_say(finite_ele
     np.testing.assert_allclose(found["body_height"], surface(X), atol=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("order", "off"), [(0, 5e-1), (2, 2e-3)])
 def test_a_rough_slab_that_is_displaced_bears_the_tractions_of_finite_elements(finite_elements, tmp_path, order, off):
     """Where a third of the nodes is put where the tractions carry them, these have to come out."""
@@ -123,6 +125,7 @@ def keys(quantity):
     return [f"{name}_{quantity}{end}" for name, end in zip(ALONG, NORMAL, strict=True)]
 
 
+@pytest.mark.long
 def test_every_order_brings_a_loaded_map_nearer_to_the_field_on_its_true_surface(tmp_path):
     errors = []
     for size in (0.004, 0.002):
@@ -134,6 +137,7 @@ def test_every_order_brings_a_loaded_map_nearer_to_the_field_on_its_true_surface
     assert errors[1][2] < 1e-4 * abs(moved).max()
 
 
+@pytest.mark.long
 def test_a_displaced_map_bears_the_tractions_of_the_field_on_its_true_surface(tmp_path):
     heights, traction, moved = on_true_surface(0.004)
     held, worst = np.hypot(X2 - 0.5, Y2 - 0.5) < 0.3, []

@@ -19,7 +19,7 @@ SCENE = {
 LOADS = ["10 MPa", "100 MPa", "1 GPa"]
 
 
-@pytest.fixture(params=[1, 2], ids=["profile", "map"])
+@pytest.fixture(params=[1, pytest.param(2, marks=pytest.mark.long)], ids=["profile", "map"])
 def heights(request):
     """Heights in m."""
     surface = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.05, "points": 64, "cut_on": 1 / 16, "roll_off": 1 / 2}

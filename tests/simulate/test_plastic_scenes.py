@@ -80,6 +80,7 @@ def doubts(**plasticity):
     return gfmd_numba.solve(changed("scene", "body", plasticity=own) | {"path": []}).attrs["validity"]
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_layers_sublayers_and_increments_that_are_too_few_are_told():
     assert "lowest sublayer" in doubts(depth="50 um")
@@ -88,6 +89,7 @@ def test_layers_sublayers_and_increments_that_are_too_few_are_told():
     assert doubts() == ""
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_the_depth_that_is_found_holds_what_flows_far_beyond_first_yield():
     """Here flow is 1.25 times as deep as an elastic body would yield."""
@@ -97,6 +99,7 @@ def test_the_depth_that_is_found_holds_what_flows_far_beyond_first_yield():
     assert "lowest sublayer" not in gfmd_numba.solve(file).attrs["validity"]
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_a_plastic_strain_that_is_not_small_is_told():
     scene = copy.deepcopy(FLOWS["scene"]) | {"roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.5}}
@@ -166,6 +169,7 @@ def test_check_knows_the_pressure_at_which_a_body_flows_at_all_depths(change, pl
     assert f"{place}: you gave '701 MPa'; gfmd allows below 700 MPa" in refused("check", tmp_path / "flows.yaml")
 
 
+@pytest.mark.long
 def test_increments_say_how_far_they_are(tmp_path, monkeypatch):
     """Of each of two steps there are 4, and 2 that tell their error."""
     monkeypatch.setattr(terminal, "_PATIENCE", 0.0)
@@ -187,6 +191,7 @@ def test_fields_below_a_body_that_flows_are_refused():
         gfmd_numba.body_fields(gfmd_numba.solve(changed("scene", loading={"pressure": "150 MPa"})))
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_campaigns_vary_the_yield_stress(tmp_path):
     plasticity = FLOWS["scene"]["body"]["plasticity"] | {"sublayers": 8, "increments": 2}

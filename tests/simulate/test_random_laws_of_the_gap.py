@@ -12,6 +12,7 @@ from gfmd_numba.contact.solution import condensed_stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.scene import load_scene
 from gfmd_numba.solvers.status import Status
+from support.cases import some_of
 
 
 def power(work, length, gap):
@@ -117,7 +118,7 @@ def test_random_scenes_are_solved():
     assert hunt(range(3)) == []
 
 
-@pytest.mark.parametrize("name", ["squared_exponential", "maugis_dugdale", "lennard_jones", "power_law"])
+@pytest.mark.parametrize("name", some_of(["squared_exponential", "maugis_dugdale", "lennard_jones", "power_law"], 3))
 def test_random_scenes_of_other_laws_are_solved(name):
     assert hunt(range(1), name) == []
 
@@ -125,9 +126,9 @@ def test_random_scenes_of_other_laws_are_solved(name):
 @pytest.mark.long
 @pytest.mark.parametrize("name", ["squared_exponential", "maugis_dugdale", "lennard_jones", "power_law"])
 def test_more_random_scenes_of_other_laws_are_solved(name):
-    assert hunt(range(1, 9), name) == []
+    assert hunt(range(1, 4), name) == []
 
 
 @pytest.mark.long
 def test_more_random_scenes_are_solved():
-    assert hunt(range(3, 24)) == []
+    assert hunt(range(3, 11)) == []

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import gfmd_numba
+from support.cases import some_of
 
 NX = 24
 X = np.arange(NX) / NX
@@ -63,7 +64,7 @@ def solved(case, order, folder, along=None):
 
 
 @pytest.mark.filterwarnings("ignore:a deformable surface has an rms gradient")
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", some_of(CASES, 2))
 @pytest.mark.parametrize(
     ("order", "along", "across"), [pytest.param(1, "x", "y", marks=pytest.mark.long), (2, "y", "x")]
 )
@@ -87,8 +88,9 @@ def diagonal(values):
     return values[np.add.outer(np.arange(NX), np.arange(NX)) % NX]
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:a deformable surface has an rms gradient")
-@pytest.mark.parametrize("is_cohesive", [pytest.param(True, marks=pytest.mark.long), False])
+@pytest.mark.parametrize("is_cohesive", [True, False])
 def test_a_diagonal_ridge_is_the_profile_of_a_shorter_period(is_cohesive, tmp_path):
     """In units of its period, lengths of the profile, and works of adhesion, are longer by the square root of 2."""
     root, found = np.sqrt(2.0), []

@@ -124,7 +124,7 @@ def test_a_counter_body_far_stiffer_is_a_rigid_punch():
     assert abs(two.counter_body_displacement).max() < 1e-7 * abs(two.displacement).max()
 
 
-@pytest.mark.parametrize("order", [0, 2])
+@pytest.mark.parametrize("order", [0, pytest.param(2, marks=pytest.mark.long)])
 def test_two_unlike_rough_bodies_touch_where_they_press_and_share_the_displacement(order):
     """Above order 0 each node touches what it meets where it has moved to."""
     other = {"youngs_modulus": 3.0, "poissons_ratio": 0.5, "aspect_ratio": 0.1, "roughness": ROUGH | {"hurst": 0.5}}

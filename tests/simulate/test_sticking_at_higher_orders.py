@@ -15,6 +15,7 @@ from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.scene import load_scene
 from gfmd_numba.solvers.equilibrium import Equilibrium, Tangential
+from support.cases import some_of
 
 NX = 256
 ROUGH = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.03}
@@ -99,6 +100,7 @@ def test_sticking_is_friction_of_a_very_large_coefficient():
     close(stuck, rough, 1e-7, ("pressure", "displacement", "tangential_displacement", "tangential_traction"))
 
 
+@pytest.mark.long
 def test_a_law_with_friction_too_weak_to_matter_is_that_of_the_frictionless_contact():
     loads = {"loading": {"displacement": 4e-4}, "law": LAWS["attraction"]}
     rubbed, smooth, bare = (
@@ -110,7 +112,8 @@ def test_a_law_with_friction_too_weak_to_matter_is_that_of_the_frictionless_cont
     assert abs(smooth["pressure"] - bare["pressure"]).max() > 1e-3 * smooth["pressure"].max()
 
 
-@pytest.mark.parametrize(("dimension", "friction"), [(1, np.inf), pytest.param(2, 0.3, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize(("dimension", "friction"), [(1, np.inf), (2, 0.3)])
 def test_a_law_without_strength_changes_nothing_at_a_higher_order(friction, dimension):
     path = [{"sliding": 5e-5}]
     faint = {"exponential": {"work_of_adhesion": 1e-18, "range": 5e-3}}
@@ -120,7 +123,7 @@ def test_a_law_without_strength_changes_nothing_at_a_higher_order(friction, dime
 
 @pytest.mark.parametrize(
     ("dimension", "friction", "law"),
-    [(1, np.inf, None), (1, 0.3, "attraction"), (2, 0.3, None), (2, np.inf, "repulsion")],
+    some_of([(1, np.inf, None), (1, 0.3, "attraction"), (2, 0.3, None), (2, np.inf, "repulsion")], 1, 2),
 )
 def test_newtons_method_finds_what_dynamics_find_from_where_these_hold_the_nodes(dimension, friction, law):
     """Dynamics anchor a node where it touches down, which Newton's method is then told, under the same topography."""
@@ -153,6 +156,7 @@ def test_nodes_that_stick_in_one_round_and_are_pulled_off_in_the_next_come_to_re
     assert abs(found["tangential_traction"]).max() > 0.1 * found["pressure"].max()
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:a deformable surface has an rms gradient")
 def test_dynamics_that_anchor_a_node_at_other_times_in_each_round_come_to_rest():
     rough = {"method": "psd", "hurst": 0.9778354607340756, "rms_gradient": 0.040583234000964925}

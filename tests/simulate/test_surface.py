@@ -85,7 +85,8 @@ def test_lengths_are_in_periods_without_a_length():
     assert float(dataset["hurst_exponent"]) == pytest.approx(0.5, abs=4 * float(dataset["hurst_exponent_error"]))
 
 
-@pytest.mark.parametrize("dimension", [1, pytest.param(2, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("dimension", [1, 2])
 def test_command_writes_surface_and_picture(tmp_path, dimension):
     file = {"surface": {"method": "psd", **K_CORRELATION, "rms_height": 3e-7, "points": 64}, "length": 1e-4}
     (tmp_path / "s.yaml").write_text(yaml.safe_dump(file | {"dimension": dimension}))

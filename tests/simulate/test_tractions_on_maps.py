@@ -78,7 +78,11 @@ def under_a_punch(folder, interface, loading, aspect_ratio=0.5, path=(), **bound
     return {"scene": scene, "discretisation": eps, "path": list(path), "numerics": {"residual": 1e-9}}
 
 
-@pytest.mark.parametrize("friction", [{}, {"friction": {"coefficient": 0.2}}], ids=["frictionless", "friction"])
+@pytest.mark.parametrize(
+    "friction",
+    [pytest.param({}, marks=pytest.mark.long), {"friction": {"coefficient": 0.2}}],
+    ids=["frictionless", "friction"],
+)
 @pytest.mark.parametrize("loading", [{"reduced_pressure": 0.1}, {"displacement": 3e-3}], ids=["load", "displacement"])
 def test_tractions_under_a_rough_punch_and_its_pressure_balance(tmp_path, friction, loading):
     """Where the body is, what is prescribed and what the punch bears balance, and nothing penetrates."""

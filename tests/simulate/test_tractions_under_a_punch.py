@@ -69,7 +69,7 @@ WAVE = 2e-3 * np.cos(2 * np.pi * 3 * X + 0.2)
 SHEAR = 3e-3 * np.sin(2 * np.pi * 2 * X) + 1e-3
 
 
-@pytest.mark.parametrize("friction", [{}, {"friction": {"coefficient": 0.2}}])
+@pytest.mark.parametrize("friction", [pytest.param({}, marks=pytest.mark.long), {"friction": {"coefficient": 0.2}}])
 @pytest.mark.parametrize("loading", [{"reduced_pressure": 0.1}, {"displacement": 3e-3}])
 def test_tractions_under_a_rough_punch_and_its_pressure_balance(tmp_path, friction, loading):
     """Where the body is, what is prescribed and the pressure of the punch balance, and nothing penetrates."""

@@ -65,8 +65,8 @@ def close(found, expected, tolerance=1e-7):
     ("dimension", "control", "interface"),
     [
         (1, "pressure", FRICTION),
-        (1, "displacement", COHESIVE | {"hard_wall": {}}),
-        (2, "pressure", COHESIVE),
+        pytest.param(1, "displacement", COHESIVE | {"hard_wall": {}}, marks=pytest.mark.long),
+        pytest.param(2, "pressure", COHESIVE, marks=pytest.mark.long),
     ],
 )
 def test_the_punch_meets_the_shape_that_the_tractions_have_given_the_body(tmp_path, dimension, control, interface):

@@ -5,12 +5,14 @@ import pytest
 
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.moduli import Material
+from gfmd_numba.interface import vector_slip
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import begin, equilibrate, following
 from gfmd_numba.solvers.iteration import Batch, Start
 from gfmd_numba.solvers.table import Options
+from gfmd_numba.solvers.truncated_newton import EnergyOfSlip
 from support.frictional_maps import rough
 
 LAW = XuNeedlemanLaw(2e-3, 2e-2, 4e-2)
@@ -32,8 +34,8 @@ def press(punch, body, load, law, hard_wall=True, start=None, sliding=(0.0, 0.0)
     [
         (ElasticBody(0.3, None), 0.1, True, "truncated_newton", "x"),
         (ElasticBody(0.2, 0.3), 0.1, False, "truncated_newton", "y"),
-        (ElasticBody(0.2, 0.3), None, True, "verlet", "x"),
-        (ElasticBody(0.5, 0.3), None, False, "truncated_newton", "x"),
+        pytest.param(ElasticBody(0.2, 0.3), None, True, "verlet", "x", marks=pytest.mark.long),
+        pytest.param(ElasticBody(0.5, 0.3), None, False, "truncated_newton", "x", marks=pytest.mark.long),
         (LAYERS, None, True, "truncated_newton", "y"),
         (LAYERS, 0.1, False, "verlet", "y"),
     ],
@@ -78,6 +80,20 @@ def test_a_turned_map_has_the_turned_answer(hard_wall):
     np.testing.assert_allclose(other.tangential.traction[:, 1], turn(along), atol=1e-8 * peak)
     np.testing.assert_allclose(other.tangential.traction[:, 0], -turn(across), atol=1e-8 * peak)
     assert min(np.abs(along).max(), np.abs(across).max()) > 1e-2 * peak
+
+
+def test_the_curvature_along_a_direction_is_the_second_derivative_of_the_energy():
+    rng, law = np.random.default_rng(0), EnergyOfSlip(LAW)
+    gap, slip, moved = rng.uniform(0.01, 0.05, 12), rng.uniform(-0.04, 0.04, (2, 12)), rng.normal(size=(3, 12))
+    curvature, pulled = np.zeros((2, 3, 12))
+    law.fill_curvature(gap, slip, curvature)
+    coupling = law.add_coupling(moved, pulled)
+    way = 1e-5 * np.reshape((-1.0, 0.0, 1.0), (-1, 1))
+    slipped = vector_slip.length(slip[:, np.newaxis] - way * moved[:2, np.newaxis])
+    before, at, behind = LAW.energy(gap - way * moved[2], slipped).sum(axis=1)
+    expected = (before - 2.0 * at + behind) / 1e-10
+    assert (curvature * moved**2).sum() + coupling == pytest.approx(expected, rel=1e-5)
+    assert (moved * pulled).sum() == pytest.approx(coupling)
 
 
 def restored(u, stiffness):
@@ -168,6 +184,7 @@ def test_damped_dynamics_without_a_wall_goes_on_from_an_overlap():
     press(punch, body, 0.021, law, False, following(first, punch, drag), drag, "verlet")
 
 
+@pytest.mark.long
 def test_a_map_at_rest_begins_on_coarser_grids():
     """And ends in the same equilibrium for three quarters of the transforms; a start of its own takes no coarser grid."""
     heights = self_affine.SelfAffineWaves(0.8, 2, 8).heights((128, 128), 4, range(1))

@@ -94,6 +94,7 @@ def test_the_last_steps_converge_as_those_of_newton_do():
     assert (found.n_iterations <= 7).all()
 
 
+@pytest.mark.long
 def test_one_more_load_on_a_fine_grid_takes_below_a_tenth_of_the_transforms_of_the_dynamics():
     heights = self_affine.SelfAffineWaves(0.8, 2, 128).heights((2048,), 4, range(2))
     punch, body = heights.max(axis=1, keepdims=True) - heights, ElasticBody(0.3, None).response((2048,))

@@ -66,6 +66,14 @@ def test_a_contact_takes_at_most_eight_pairs_of_transforms(hurst, n):
     assert (result.n_transforms <= 16).all()
 
 
+def test_a_prescribed_displacement_takes_no_more_transforms_than_a_load():
+    n = 1024
+    punch, body = punches(0.8, n, 1), slab_stiffness.slab(grid.wavenumbers(n), 0.3, 0.1)
+    pressed = equilibrate(punch - 0.2 * punch.mean(), SpectralResponse.of_normal(body), None, NEWTON)
+    assert (pressed.status == Status.ok).all()
+    assert (pressed.n_transforms <= 16).all()
+
+
 def test_no_digit_depends_on_the_batch():
     n = 1000
     punch, body = punches(0.5, n, 7, 6), stiffness.half_space(grid.wavenumbers(n))

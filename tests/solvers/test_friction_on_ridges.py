@@ -20,8 +20,8 @@ LAYERS = ElasticBody.layered((0.05, 0.2), (Material(1.0, 0.2), Material(0.1, 0.4
     [
         (ElasticBody(0.3, None), 1.0, "y"),
         (ElasticBody(0.2, 0.3), 0.3, "x"),
-        (ElasticBody(0.5, 0.3), 0.3, "y"),
-        (LAYERS, 0.4, "y"),
+        pytest.param(ElasticBody(0.5, 0.3), 0.3, "y", marks=pytest.mark.long),
+        pytest.param(LAYERS, 0.4, "y", marks=pytest.mark.long),
     ],
 )
 def test_ridges_are_profiles(body, friction, along):

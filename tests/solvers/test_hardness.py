@@ -17,6 +17,7 @@ from gfmd_numba.solvers.certificate import Certificate
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import Options
+from support.cases import some_of
 
 SOLVERS = ("active_set_newton", "conjugate_gradients")
 
@@ -99,7 +100,7 @@ def assert_same_nodes(found, expected, hardness):
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
-@pytest.mark.parametrize(("share", "hardness"), [(0.1, 1.0), (0.5, 0.2), (0.95, 0.02)])
+@pytest.mark.parametrize(("share", "hardness"), some_of([(0.1, 1.0), (0.5, 0.2), (0.95, 0.02)], 1))
 def test_nodes_are_those_of_bounded_least_squares_under_a_load(solver, share, hardness):
     punch = rough((64,), realisations=range(1))
     found = press(punch, share * hardness, hardness, solver)
@@ -133,7 +134,7 @@ def test_a_sinusoid_flattens_as_bounded_least_squares_say(share):
 
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("shape", [(512,), (33, 33)])
-@pytest.mark.parametrize("hardness", [0.003, 0.6])
+@pytest.mark.parametrize("hardness", [0.003, pytest.param(0.6, marks=pytest.mark.long)])
 def test_conditions_hold_with_both_bounds(solver, shape, hardness):
     punch = rough(shape)
     for share in (0.02, 0.5, 0.95):
@@ -247,10 +248,10 @@ def test_profiles_converge_up_to_0_95_of_the_hardness(hurst, hardness):
 
 @pytest.mark.long
 @pytest.mark.parametrize(("hurst", "hardness"), [(0.8, 1e-3), (0.3, 0.3)])
-@pytest.mark.parametrize("shape", [(2**17,), (512, 512)])
+@pytest.mark.parametrize("shape", [(2**16,), (256, 256)])
 def test_large_grids_converge_up_to_0_95_of_the_hardness(hurst, hardness, shape):
     punch = rough(shape, hurst, realisations=range(1))
-    for share in (0.07, 0.5, 0.95):
+    for share in (0.07, 0.95):
         found = press(punch, share * hardness, hardness)
         assert found.status[0] == Status.ok
         assert found.residual[0] <= 1e-8

@@ -141,7 +141,7 @@ def loop(law, hardness, depths, solver="truncated_newton"):
     return record.of_steps()["energy_lost"], found
 
 
-@pytest.mark.parametrize("law", [ATTRACTS, REPELS], ids=["attracts", "repels"])
+@pytest.mark.parametrize("law", [pytest.param(ATTRACTS, marks=pytest.mark.long), REPELS], ids=["attracts", "repels"])
 def test_the_loop_of_force_and_displacement_encloses_what_is_lost(law):
     """Plastic work, and under an attraction what its jumps take."""
     there = np.linspace(-0.1, 0.25, 22)
@@ -198,7 +198,7 @@ COARSE = EPS | {"eps_c": 1 / 4, "eps_f": 1 / 4, "eps_t": 1}
 @pytest.mark.parametrize("dimension", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_scenes_with_a_law_keep_their_dents(dimension):
     scene = FILE["scene"] | {"dimension": dimension}
-    one = FILE | {"scene": scene, "discretisation": EPS | {"eps_c": 1 / 4} if dimension == 1 else COARSE}
+    one = FILE | {"scene": scene, "discretisation": COARSE}
     found = gfmd_numba.solve(one)
     assert (found["status"] == 0).all()
     assert found.attrs["solver"] == "truncated_newton"
@@ -212,6 +212,7 @@ def test_scenes_with_a_law_keep_their_dents(dimension):
     assert float(found["pull_off_pressure"]) > 0.0
 
 
+@pytest.mark.long
 def test_campaigns_with_a_law_record_what_one_contact_does(tmp_path):
     kept = {"scene": FILE["scene"], "path": FILE["path"][:3], "seed": FILE["seed"]}
     results = gfmd_numba.run(kept | {"name": "sticky", "realisations": 1, "reference": COARSE}, tmp_path / "out")

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from gfmd_numba.contact import solution
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.solvers import two_level_preconditioner
+from gfmd_numba.solvers.friction.linear_problem import NearTractions
 from gfmd_numba.solvers.two_level_preconditioner import StencilPreconditioner, TwoLevelPreconditioner
 from support.maps import body, problem
 
@@ -32,6 +34,19 @@ def test_neighbours_are_a_stencil_of_the_stiffness_that_is_positive_definite():
     inverse.solve(u, pressure)
     expected = np.fft.irfft2(np.fft.rfft2(given) * np.fft.rfft2(near), shape).ravel()[nodes]
     np.testing.assert_allclose(pressure, expected, atol=1e-12)
+
+
+def test_a_node_among_held_ones_is_as_stiff_as_all_waves_together():
+    """A mean that hardly gives way, as that of a thin slab, counts no more than the longest wave."""
+    response, moved = ElasticBody(0.4999, 0.05).response((8, 12)), np.zeros((8, 12))
+    near, (xx, xy, yy, _, _, zz) = NearTractions(response, (8, 12)), response.inverse()
+    along = np.linalg.inv(np.moveaxis(np.array([[xx, xy], [xy, yy]]), (0, 1), (-2, -1)))
+    assert 1.0 / zz[0, 0] > 10.0 / zz[0, 1]
+    moved[3, 5] = 1.0
+    stiff = (0.5 * np.trace(along, axis1=-2, axis2=-1), near.tangential_of_a_node), (1.0 / zz, near.normal_of_a_node)
+    for waves, found in stiff:
+        waves[0, 0] = min(waves[0, 0], waves[0, 1])
+        assert found == pytest.approx(np.fft.irfft2(np.fft.rfft2(moved) * waves, (8, 12))[3, 5])
 
 
 def columns(inverse, nodes):

@@ -31,6 +31,7 @@ def identity(**numerics):
     return reduce(Scene.model_validate(SCENE), surfaces, Numerics(**numerics))[0].identity
 
 
+@pytest.mark.long
 def test_tables_are_data():
     code = "import sys, gfmd_numba.solvers.table, gfmd_numba.scene.interface_records; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -76,7 +76,7 @@ def test_the_energy_never_rises_and_ends_in_equilibrium(interface, load):
 
 
 @pytest.mark.parametrize("interface", [REPULSION, WITH_A_WALL, WALL], ids=["repulsion", "both", "wall"])
-@pytest.mark.parametrize("load", [1e-3, 1.0])
+@pytest.mark.parametrize("load", [1e-3, pytest.param(1.0, marks=pytest.mark.long)])
 def test_the_one_equilibrium_of_a_convex_energy_is_that_of_the_dynamics(interface, load):
     punch, body = surface(128)
     newton, verlet = (
@@ -107,6 +107,7 @@ def retraction(solver, n, law, step, last, residual=1e-8):
     return found
 
 
+@pytest.mark.long
 def test_a_resolved_branch_is_that_of_the_dynamics_for_an_eighth_of_the_transforms():
     """Up to the jump: x = 0.08, where no node snaps on its own."""
     law = ExponentialLaw(6e-3, 4.83e-3 * np.sqrt(2.0))
@@ -161,6 +162,7 @@ def test_a_first_load_ends_on_the_branch_of_many_small_ones_and_of_the_dynamics(
         np.testing.assert_allclose(at_once.pressure, other.pressure, rtol=0, atol=1e-6 * other.pressure.max())
 
 
+@pytest.mark.long
 def test_a_map_at_rest_begins_on_coarser_grids_and_ends_on_the_branch_of_a_path():
     """Where the law is resolved, x = 0.2: a start says that there is a path, and takes no coarser grid."""
     waves = RandomSurface(SelfAffineWaves(0.8, 5, 16), 128, 2024, dimension=2)

@@ -65,7 +65,7 @@ def test_a_write_that_fails_at_any_call_leaves_the_old_file_or_the_new_one(tmp_p
     [
         pytest.param("nothing", False, 5, marks=pytest.mark.long),
         pytest.param("half", True, 5, marks=pytest.mark.long),
-        ("half", True, 29),
+        ("half", True, 61),
     ],
 )
 def test_a_run_on_a_disk_that_fails_at_any_call_resumes(begun, tmp_path, start, full, every):

@@ -20,7 +20,7 @@ from support.campaigns import campaign
 from support.command_line import unfolded
 from support.scenes import SCENE
 
-pytestmark = pytest.mark.usefixtures("laws_that_hold")
+pytestmark = pytest.mark.usefixtures("laws_that_hold", "undrawn")
 
 SURFACE = """
 surface: {method: psd, hurst: 0.8, cut_on: 0.01, roll_off: 0.5, rms_gradient: 0.1, points: 512}

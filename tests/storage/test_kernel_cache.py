@@ -1,8 +1,8 @@
 """Compiled kernels: found again, compiled again when damaged, run only if this user has written them."""
 
+import json
 import os
 import pickle
-import resource
 import shutil
 import subprocess
 import sys
@@ -15,33 +15,63 @@ COMPILE = """
 import os
 import numpy as np
 from gfmd_numba import kernels
-spectrum = np.ones((1, 4), dtype=complex)
-kernels.multiply(spectrum, np.full(4, 2.0), np.array([0]))
-assert (spectrum == 2.0).all()
-print(sum(kernels.multiply.stats.cache_hits.values()) if hasattr(kernels.multiply, "stats") else -1, flush=True)
+numbers = np.zeros(2, dtype=int)
+kernels.count(numbers, np.array([0]), 1)  # the one that is compiled soonest
+assert numbers.tolist() == [1, 0]
+print(sum(kernels.count.stats.cache_hits.values()) if hasattr(kernels.count, "stats") else -1, flush=True)
 os._exit(0)  # as after a kill: nothing is done at the end
+"""
+FORKS = """
+import json, os, resource, sys
+import numba
+import gfmd_numba.storage.kernel_cache
+numba.njit(lambda: 0)()  # to start Python and a compiler takes longer than to compile
+for line in sys.stdin:
+    environment, umask, size, said = json.loads(line)
+    child = os.fork()
+    if child == 0:
+        for stream, name in ((1, ".out"), (2, ".err")):
+            os.dup2(os.open(said + name, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), stream)
+        os.environ.update(environment)
+        os.umask(umask)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+        exec(COMPILE)
+    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
 """
 
 
-def compile_in(folder, before=None, **environment):
-    """Number of kernels found in a cache, and what is said meanwhile."""
+@pytest.fixture(scope="module")
+def compile_in(tmp_path_factory):
+    """Function of a cache, which returns how a process ends that compiles there, and what it says.
+
+    It prints the number of kernels that it finds. Each is forked from a process that knows nothing of a cache yet.
+    """
+    said = tmp_path_factory.mktemp("said") / "said"
     surroundings = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA")}
-    ran = subprocess.run(
-        [sys.executable, "-c", COMPILE],
-        env=surroundings | {"GFMD_CACHE_DIR": str(folder)} | environment,
-        preexec_fn=before,
-        capture_output=True,
+    process = subprocess.Popen(
+        [sys.executable, "-c", f"COMPILE = {COMPILE!r}\n{FORKS}"],
+        env=surroundings,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
         text=True,
     )
-    assert ran.returncode == 0, ran.stderr
-    return int(ran.stdout), ran.stderr
+
+    def compiled_in(folder, umask=0o022, size=-1, **environment):
+        asked = ({"GFMD_CACHE_DIR": str(folder)} | environment, umask, size, str(said))
+        process.stdin.write(json.dumps(asked) + "\n")
+        process.stdin.flush()
+        ended = int(process.stdout.readline())
+        return ended, *(said.with_suffix(end).read_text() for end in (".out", ".err"))
+
+    yield compiled_in
+    process.communicate()
 
 
 @pytest.fixture(scope="module")
-def compiled(tmp_path_factory):
-    """Cache with one compiled kernel, for tests to copy: to start Python and compile takes seconds."""
+def compiled(compile_in, tmp_path_factory):
+    """Cache with one compiled kernel, for tests to copy."""
     cache = tmp_path_factory.mktemp("compiled") / "cache"
-    assert compile_in(cache) == (0, "")
+    assert compile_in(cache) == (0, "0\n", "")
     return cache
 
 
@@ -73,30 +103,30 @@ def test_a_damaged_kernel_is_not_found(compiled, tmp_path, monkeypatch, damage):
 
 
 @pytest.mark.long
-def test_a_damaged_kernel_is_compiled_again(compiled, tmp_path):
+def test_a_damaged_kernel_is_compiled_again(compiled, compile_in, tmp_path):
     cache = copied(compiled, tmp_path / "own" / "cache")
     (code,) = files(cache)
     code.write_bytes(code.read_bytes()[:-1])
-    assert compile_in(cache) == (0, "")
+    assert compile_in(cache) == (0, "0\n", "")
     (again,) = files(cache)
     code = again.read_bytes()[kernel_cache._HEAD :]
     assert again.read_bytes() == kernel_cache._seal(again.name, code) + code
 
 
 @pytest.mark.long
-def test_kernels_are_compiled_once(compiled):
-    assert compile_in(compiled) == (1, "")
+def test_kernels_are_compiled_once(compiled, compile_in):
+    assert compile_in(compiled) == (0, "1\n", "")
 
 
 @pytest.mark.long
-def test_a_cache_is_for_its_user_alone_whatever_the_umask(tmp_path):
+def test_a_cache_is_for_its_user_alone_whatever_the_umask(tmp_path, compile_in):
     cache = tmp_path / "new" / "cache"
-    compile_in(cache, before=lambda: os.umask(0))
+    compile_in(cache, umask=0)
     assert files(cache)
     assert {path.stat().st_mode & 0o777 for path in files(cache)} == {0o600}
     folders = [tmp_path / "new", cache, *(path for path in cache.rglob("*") if path.is_dir())]
     assert {path.stat().st_mode & 0o777 for path in folders} == {0o700}
-    assert compile_in(cache, before=lambda: os.umask(0)) == (1, "")
+    assert compile_in(cache, umask=0) == (0, "1\n", "")
 
 
 class Witness:
@@ -131,41 +161,23 @@ DANGERS = {
 }
 
 
-IN_EACH = """
-import os, sys
-import numba  # which takes longer than to compile
-for folder in sys.argv[1:]:
-    child = os.fork()
-    if child == 0:
-        os.environ["GFMD_CACHE_DIR"] = folder
-        for stream, name in ((1, ".out"), (2, ".err")):
-            os.dup2(os.open(folder + name, os.O_WRONLY | os.O_CREAT), stream)
-        exec(COMPILE)
-    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
-"""
-
-
 @pytest.mark.long
-def test_nothing_is_run_that_somebody_else_may_have_put_there(compiled, tmp_path):
+def test_nothing_is_run_that_somebody_else_may_have_put_there(compiled, compile_in, tmp_path):
     """The seal is no secret: who can write a file can seal it, too. Each danger has a process of its own."""
-    caches = [copied(compiled, tmp_path / danger / "cache") for danger in DANGERS]
-    for (danger, endangered), cache in zip(DANGERS.items(), caches, strict=True):
+    for danger, endangered in DANGERS.items():
+        cache = copied(compiled, tmp_path / danger / "cache")
         (file,) = files(cache)
         code = pickle.dumps(Witness(tmp_path / f"{danger} ran"))
         file.write_bytes(kernel_cache._seal(file.name, code) + code)
         endangered(cache, file)
-    environment = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA")}
-    script = f"COMPILE = {COMPILE!r}\n{IN_EACH}"
-    done = subprocess.run([sys.executable, "-c", script, *caches], env=environment, capture_output=True, text=True)
-    ended = dict(zip(DANGERS, done.stdout.split(), strict=True))
-    assert ended == dict.fromkeys(DANGERS, "0") | {"nothing": "1"}
+        ended, hits, said = compile_in(cache)
+        if danger == "nothing":
+            assert ended == 1
+            continue
+        assert (ended, hits) == (0, "0\n"), danger
+        whole = "cache" in danger
+        assert ("is not used: it belongs to somebody else, or others may write to it" in said) == whole, danger
     assert [path.name for path in tmp_path.glob("* ran")] == ["nothing ran"]
-    for danger, cache in zip(DANGERS, caches, strict=True):
-        if danger != "nothing":
-            hits, said = (cache.with_name(f"cache{end}").read_text() for end in (".out", ".err"))
-            whole = "cache" in danger
-            assert int(hits) == 0
-            assert ("is not used: it belongs to somebody else, or others may write to it" in said) == whole, danger
 
 
 def test_a_link_to_a_cache_is_followed_once(tmp_path):
@@ -181,13 +193,13 @@ def test_a_link_to_a_cache_is_followed_once(tmp_path):
 
 
 @pytest.mark.long
-def test_no_cache_is_no_failure(tmp_path):
+def test_no_cache_is_no_failure(tmp_path, compile_in):
     """A file where the folder should be: not even root can write there."""
     (tmp_path / "file").touch()
-    assert compile_in(tmp_path / "file" / "cache", HOME=str(tmp_path / "file"))[0] == 0
+    assert compile_in(tmp_path / "file" / "cache", HOME=str(tmp_path / "file"))[:2] == (0, "0\n")
 
 
 @pytest.mark.long
-def test_a_full_cache_disk_is_no_failure(tmp_path):
-    assert compile_in(tmp_path, before=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))) == (0, "")
+def test_a_full_cache_disk_is_no_failure(tmp_path, compile_in):
+    assert compile_in(tmp_path, size=100) == (0, "0\n", "")
     assert files(tmp_path) == []

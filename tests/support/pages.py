@@ -116,7 +116,8 @@ def smaller(record):
             record["scene"]["dimension"] = 1
     if "grid" in record:
         axes = enumerate(record["grid"].items())
-        record["grid"] = {name: values[: 1 if rank or limits else 2] for rank, (name, values) in axes}
+        several = not limits and "path" not in record
+        record["grid"] = {name: values[: 2 if several and not rank else 1] for rank, (name, values) in axes}
         if "target" in record and not found:  # a run that chooses its levels takes seconds for each case
             record["grid"] = {name: values[-1:] for name, values in record["grid"].items()}
     if record.get("dimension") == 2:

@@ -99,7 +99,8 @@ def test_simulated_area_is_perssons_times_a_known_ratio(hurst, body):
         assert ratio.mean() >= 1.0 - 1e-9
 
 
-@pytest.mark.parametrize(("hurst", "body"), [pytest.param(0.3, HALF_SPACE, marks=pytest.mark.long), (0.8, SLAB)])
+@pytest.mark.long
+@pytest.mark.parametrize(("hurst", "body"), [(0.3, HALF_SPACE), (0.8, SLAB)])
 def test_simulated_pressures_are_distributed_nearly_as_perssons(hurst, body):
     """Half the integral of |difference|: 0.04 to 0.06 at p* = 0.5, and no more than scatter near full contact."""
     levels = np.linspace(0.0, 9.0, 91)

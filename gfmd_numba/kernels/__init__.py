@@ -4,6 +4,7 @@ from gfmd_numba.kernels.contact_conditions import *
 from gfmd_numba.kernels.eigenstrain import *
 from gfmd_numba.kernels.energy_descent import *
 from gfmd_numba.kernels.exponential_sums import *
+from gfmd_numba.kernels.grids_in_parallel import *
 from gfmd_numba.kernels.laws import *
 from gfmd_numba.kernels.pressure_solvers import *
 from gfmd_numba.kernels.return_mapping import *

@@ -22,45 +22,33 @@ class Unknowns(NamedTuple):
 class Descent(NamedTuple):
     """Direction `d` of a Newton step so far, its restoring traction `kd` of the body, and the residual.
 
-    The residual is the unbalanced traction `r` of the nodes that may move, and its weighted `source`.
+    The residual is the unbalanced traction `r` of the nodes that may move.
     """
 
     d: Reals
     kd: Reals
     r: Reals
-    source: Reals
 
 
 @jit
-def descent_start(unknowns: Unknowns, curvature: Reals, compliance: float, weight: Reals, descent: Descent) -> None:
-    """Begin a direction at 0, and weigh the nodes: by E = 1 / (1 + c D) where the law stiffens one by D.
-
-    `compliance` is the part c of the compliance of the body that is assumed to be a node's own.
-    """
+def descent_start(unknowns: Unknowns, weight: Reals, descent: Descent) -> None:
+    """Begin a direction at 0, and tell which nodes may move: those have the weight 1."""
     u, ku, wall, load = unknowns
-    d, kd, r, source = descent
+    d, kd, r = descent
     for j in range(u.size):
         force = load[j] - ku[j]
         d[j] = kd[j] = 0.0
-        if u[j] >= wall[j] and force >= 0.0:
-            weight[j] = 0.0
-            r[j] = 0.0
-        else:
-            weight[j] = 1.0 / (1.0 + max(curvature[j], 0.0) * compliance)
-            r[j] = force
-        source[j] = weight[j] * r[j]
+        held = u[j] >= wall[j] and force >= 0.0
+        weight[j] = 0.0 if held else 1.0
+        r[j] = 0.0 if held else force
 
 
 @jit
-def descent_norm(r: Reals, weight: Reals, compliance: float, compliant: Reals) -> float:
-    """Precondition the unbalanced traction r, and return its square in that norm.
-
-    Let the compliance of the body be C = c + S, with the part c of each node itself. The compliance of body and law in
-    parallel is E (c + S E) to the first order in S, or E C E + c E (1 - E). `compliant` is C E r, and is overwritten.
-    """
+def descent_norm(r: Reals, weight: Reals, compliant: Reals) -> float:
+    """Square of the unbalanced traction r by its displacement, of which that of held nodes becomes 0."""
     total = 0.0
     for j in range(r.size):
-        compliant[j] = weight[j] * (compliant[j] + compliance * (1.0 - weight[j]) * r[j])
+        compliant[j] = compliant[j] if weight[j] > 0.0 else 0.0
         total += r[j] * compliant[j]
     return total
 
@@ -90,7 +78,7 @@ def descent_curvature(p: Reals, kp: Reals, curvature: Reals, pulled: Reals) -> t
 @jit
 def descent_update(p: Reals, kp: Reals, pulled: Reals, weight: Reals, step: float, descent: Descent) -> float:
     """Go a step along p: update the direction of the Newton step and the residual; return the largest residual."""
-    d, kd, r, source = descent
+    d, kd, r = descent
     largest = 0.0
     for j in range(p.size):
         d[j] += step * p[j]
@@ -98,7 +86,6 @@ def descent_update(p: Reals, kp: Reals, pulled: Reals, weight: Reals, step: floa
         if weight[j] > 0.0:
             r[j] -= step * (kp[j] + pulled[j])
             largest = max(largest, abs(r[j]))
-        source[j] = weight[j] * r[j]
     return largest
 
 

@@ -13,7 +13,7 @@ _ARRAYS_OF_LAWS = {
     (1, "friction"): 180,
     (2, "friction"): 256,
     **{(2, law): 32 for law in LAWS_OF_THE_GAP},
-    (2, "cohesive"): 96,
+    (2, "cohesive"): 112,
     (2, "boundary"): 32,
 }
 _ARRAYS_OF_TOPOGRAPHY, _ARRAYS_OF_ORDER = {1: 128, 2: 56}, {1: 48, 2: 60}  # at order 0, and more for each order

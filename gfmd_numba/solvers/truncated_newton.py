@@ -17,14 +17,14 @@ from gfmd_numba.interface.normal_law import NormalLaw
 from gfmd_numba.interface.patterned import PatternedLaw
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
-from gfmd_numba.solvers.exponential_sums.parallel_law import ParallelLaw
 from gfmd_numba.solvers.iteration import Batch, Start, tangential_shape
+from gfmd_numba.solvers.parallel_law import ParallelLaw
 from gfmd_numba.solvers.pressures import refine
 from gfmd_numba.solvers.products import Products
 from gfmd_numba.solvers.table import Options
 
 _ACROSS = 4.0  # lengths of a law of gap and slip across which it acts
-_STRIDE = 0.5  # tangential lengths of the law that a node is dragged in one step: past them the law gives way
+_STRIDE = 0.5  # tangential lengths of the law that a node is dragged in one step at most
 _NOTHING = ExponentialLaw(0.0, 1.0)  # stands for no law: a hard wall alone
 
 Place = Callable[[], tuple[Reals, Reals]]  # gap and slip, where they are needed
@@ -58,9 +58,9 @@ class EnergyOfGap:
         """Change of the energy as all displacements change by `closing`."""
         return float(self._law.energy_change(gap, closing[-1]).sum(dtype=np.float64))
 
-    def longest(self, place: Place, direction: Reals) -> float:
-        """Step along a direction that is tried first."""
-        return 1.0
+    def shorten(self, place: Place, u: Reals, trial: Reals) -> bool:
+        """Shorten how far displacements change at once, up to a trial; whether any is."""
+        return False
 
 
 class EnergyOfSlip:
@@ -107,19 +107,19 @@ class EnergyOfSlip:
         change = self._law.energy_change(gap, slip, closing[-1], closing[:-1])
         return float(change.sum(dtype=np.float64))
 
-    def longest(self, place: Place, direction: Reals) -> float:
-        """Step along a direction that is tried first; past a stride in slip the law gives way."""
+    def shorten(self, place: Place, u: Reals, trial: Reals) -> bool:
+        """Shorten how far displacements change at once, up to a trial; past a stride in slip the law gives way."""
         gap, slip = place()
-        near, tangential = gap < _ACROSS * self._law.normal, self._law.tangential
-        allowed = np.maximum(vector_slip.length(slip)[near] / tangential - _ACROSS, _STRIDE)
-        dragged = vector_slip.length(direction[:-1])[near] / tangential
-        return float(1.0 / max(1.0, (dragged / allowed).max(initial=0.0)))
+        tangential, dragged = self._law.tangential, vector_slip.length(trial[:-1] - u[:-1])
+        allowed = np.maximum(vector_slip.length(slip) - _ACROSS * tangential, _STRIDE * tangential)
+        far = (dragged > allowed) & (gap < _ACROSS * self._law.normal)
+        trial[:-1, far] = u[:-1, far] + (trial[:-1, far] - u[:-1, far]) * (allowed[far] / dragged[far])
+        return bool(far.any())
 
 
 _LOOSE = 0.3  # largest part of the unbalanced traction that a Newton step may leave: the less, the smaller that is
 _ENOUGH = 0.7  # unbalanced traction that it leaves at least, over what the residual that is asked for allows
 _NEAR = 8.0  # times that: so near the end a step goes on, as it takes less than to begin another one
-_OWN = 2.0  # compliance that a stiff node is given of its own over that of a lone node: its neighbours are stiff, too
 _INNER_ITERATIONS = 60  # of conjugate gradients in a Newton step
 _CANCELLED = 1e-6  # restoring traction over the largest that went into its sum, below which it has lost too many digits
 _FLAT = 1e-6  # curvature over that of the body alone below which a direction is one of a fold, or downhill for ever
@@ -181,9 +181,8 @@ class TruncatedNewton:
     Each Newton step holds the nodes that press against the wall and frees the others, solves the linear problem that is
     left by preconditioned conjugate gradients (Steihaug, SIAM J. Numer. Anal. 20:626, 1983) up to a direction in which
     the energy curves down, stops nodes at the wall, and is cut short until the energy has decreased. So the energy
-    never rises, and a contact on a stable branch stays on it. The preconditioner is the compliance of the bodies,
-    restricted to the free nodes, or, where that is a sum of decays, body and law of each component in parallel, which
-    takes no transforms. The first transforms of a step are those of its gradient.
+    never rises, and a contact on a stable branch stays on it. The preconditioner is body and law of each
+    component in parallel, on ever coarser grids, which takes no transforms.
 
     A mean displacement that has to vanish is held by a large stiffness, and the mean pressure then takes over.
 
@@ -273,13 +272,8 @@ class TruncatedNewton:
 
     def _prepare(self, response: SpectralResponse, of_law: float) -> None:
         """Prepare the preconditioner, and how stiff a mode may be."""
-        compliance = response.restored().inverse()
-        of_each, n = diagonal(compliance), self.field.n
-        self._compliance = self._products.symbols(compliance)
-        on_node = (of_each.sum(axis=0) * grid.multiplicity(self.field.shape[-1])).sum() / n
-        self._own_compliance = _OWN * float(on_node / len(of_each))
         self._stiffest = float(response.diagonal.sum(axis=0).max()) + of_law  # or more: it is the trace of each wave
-        self._parallel = ParallelLaw.of(of_each, n, self._products.displacement.shape[-1])
+        self._parallel = ParallelLaw(diagonal(response.restored().inverse()), self.field.shape)
 
     def _place(self, batch: Batch, u: Reals, wall: Reals) -> None:
         """Fill the displacements that a batch begins with and its wall."""
@@ -335,37 +329,23 @@ class TruncatedNewton:
         """Pressure with which the hardness pushes back nodes that yield."""
         return 0.0 if self._yields is None else self.certificate.limits.hardness * self._yields[i]
 
-    def _split(self, i: int) -> None:
-        """Prepare the preconditioner for the curvature of a row."""
-        if self._parallel is not None:
-            np.greater(self._weight, 0.0, out=self._weight)
-            self._source[i] = self._unbalanced
-            self._parallel.factor(self._curvature, self._weight)
-
-    def _comply(self, row: Indices) -> None:
-        """Fill the result of a row with the displacements under its source."""
-        if self._parallel is None:
-            self._products.apply(self._compliance, row)
-        else:
-            self._parallel.solve(self._source[row[0]], self._result[row[0]])
-
     def _find_direction(self, row: Indices) -> bool:
         """Fill the direction of a row's Newton step; returns whether the energy curves down somewhere along it."""
-        i, curvature, weight, r, own = row[0], self._curvature, self._weight, self._unbalanced, self._own_compliance
-        d, p, source, result = self._direction, self._conjugate, self._source[i], self._result[i]
-        pulled, descent = self._closing, kernels.Descent(d, self._lifted, r, source)
+        i, curvature, weight, r = row[0], self._curvature, self._weight, self._unbalanced
+        p, source, result, pulled = self._conjugate, self._source[i], self._result[i], self._closing
+        descent, of_nodes = kernels.Descent(self._direction, self._lifted, r), self._nodes(weight)
         self._fill_curvature(i)
         unknowns = kernels.Unknowns(self._u[i], self._restoring[i], self._ceiling[i], self._load[i])
-        kernels.descent_start(unknowns, curvature, own, weight, descent)
-        self._split(i)
+        kernels.descent_start(unknowns, weight, descent)
+        self._parallel.factor(self._nodes(curvature), of_nodes, self._nodes(pulled))
         p[:] = 0.0
         square, last, gains = min(_LOOSE**2, float(self._residual[i])), np.inf, []
         # where a mean is held, the load that holds it is off, too, and what is left here does not tell by how much
         allowed = self._target if self._held_mean is None else 0.0
         enough = _ENOUGH * allowed * max(float(self.certificate.peak[i]), float(self._strongest[i]))
         for _ in range(_INNER_ITERATIONS):
-            self._comply(row)
-            norm = kernels.descent_norm(r, weight, own, result)
+            self._parallel.solve(of_nodes, self._nodes(r), self._nodes(result))
+            norm = kernels.descent_norm(r, weight, result)
             if not norm > 0.0:
                 break
             kernels.descent_direction(result, norm / last, p, source)
@@ -388,8 +368,7 @@ class TruncatedNewton:
 
     def _descend(self, row: Indices, bends_down: bool) -> None:
         """Go along the direction of a row, as far as the energy decreases."""
-        i, direction = row[0], self._nodes(self._direction)
-        step = self._law.longest(lambda: (self._gap(i), self._slip(i)), direction)
+        i, step = row[0], 1.0
         change, slope = self._trial(row, step)
         while not _decreases(change, slope):
             step *= _shorter(change, slope)
@@ -413,6 +392,7 @@ class TruncatedNewton:
         i = row[0]
         u, trial = self._u[i], self._source[i]
         stops = kernels.descent_trial(u, self._bound[i], self._direction, step, trial)
+        stops |= self._law.shorten(lambda: (self._gap(i), self._slip(i)), self._nodes(u), self._nodes(trial))
         if self._yields is not None:  # which stop at the wall from behind
             stopped = self._nodes(trial)[-1]
             np.maximum(stopped, self._punch[i], out=stopped, where=self._yields[i])

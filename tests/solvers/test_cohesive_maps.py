@@ -186,7 +186,7 @@ def test_damped_dynamics_without_a_wall_goes_on_from_an_overlap():
 
 @pytest.mark.long
 def test_a_map_at_rest_begins_on_coarser_grids():
-    """And ends in the same equilibrium for two thirds of the transforms; a start of its own takes no coarser grid."""
+    """And ends in the same equilibrium for three quarters of the transforms; a start of its own takes none."""
     heights = self_affine.SelfAffineWaves(0.8, 2, 8).heights((128, 128), 4, range(1))
     punch, body = heights.max(axis=(1, 2), keepdims=True) - heights, ElasticBody(0.3, 0.5)
     law = XuNeedlemanLaw(1.5e-4, 1e-3, 3e-3)
@@ -194,4 +194,4 @@ def test_a_map_at_rest_begins_on_coarser_grids():
     np.testing.assert_array_equal(coarse.touching, at_rest.touching)
     for one, other in ((coarse.pressure, at_rest.pressure), (coarse.tangential.traction, at_rest.tangential.traction)):
         np.testing.assert_allclose(one, other, rtol=0, atol=1e-6 * at_rest.pressure.max())
-    assert (1.5 * coarse.n_transforms < at_rest.n_transforms).all()
+    assert (4 * coarse.n_transforms < 3 * at_rest.n_transforms).all()

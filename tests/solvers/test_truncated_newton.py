@@ -142,7 +142,7 @@ def test_surfaces_far_beyond_the_range_of_a_law_are_in_equilibrium_apart(ranges)
     apart = equilibrate(wall, SpectralResponse.of_normal(slab), None, options, laws, following(before, wall, 0.0))
     assert apart.status[0] == Status.ok
     assert abs(apart.displacement).max() < 1e-80
-    assert apart.n_transforms[0] < 500
+    assert apart.n_transforms[0] < 6 * 138  # decades down to tractions that are none
 
 
 def test_a_first_load_ends_on_the_branch_of_many_small_ones_and_of_the_dynamics():
@@ -191,13 +191,10 @@ def test_a_start_in_which_the_law_repels_beyond_all_measure_is_moved_back():
 @pytest.mark.parametrize("kernel", both(kernels.descent_start))
 def test_nodes_that_press_against_the_wall_are_held(kernel):
     u, wall = np.array([0.0, 0.0, -1.0, -1.0]), np.zeros(4)
-    restoring, curvature = np.array([1.0, 3.0, 1.0, 3.0]), np.array([-1.0, 0.0, 4.0, 0.0])
-    weight, d, kd, r, source = np.full((5, 4), np.nan)
-    unknowns, descent = kernels.Unknowns(u, restoring, wall, np.full(4, 2.0)), kernels.Descent(d, kd, r, source)
-    kernel(unknowns, curvature, 2.0, weight, descent)
-    np.testing.assert_allclose(weight, [0.0, 1.0, 1.0 / 9.0, 1.0])
+    restoring, (weight, d, kd, r) = np.array([1.0, 3.0, 1.0, 3.0]), np.full((4, 4), np.nan)
+    kernel(kernels.Unknowns(u, restoring, wall, np.full(4, 2.0)), weight, kernels.Descent(d, kd, r))
+    np.testing.assert_allclose(weight, [0.0, 1.0, 1.0, 1.0])
     np.testing.assert_allclose(r, [0.0, -1.0, 1.0, -1.0])
-    np.testing.assert_allclose(source, weight * r)
     assert not d.any()
     assert not kd.any()
 
@@ -207,17 +204,12 @@ def draws(count, n=7):
 
 
 @pytest.mark.parametrize("kernel", both(kernels.descent_norm))
-def test_the_preconditioner_is_the_inverse_of_body_and_law_where_each_node_is_on_its_own(kernel):
-    """And where it is not, its error is one of second order in what the nodes do to each other."""
-    r, stiffness = draws(2) ** 2
-    weight, own, couples = 1.0 / (1.0 + 0.7 * stiffness), 0.7 * np.eye(7), np.random.default_rng(1).normal(size=(7, 7))
-    for size, error in ((0.0, 1e-14), (1e-3, 1e-5)):
-        compliance = own + size * (couples + couples.T)
-        found = compliance @ (weight * r)
-        square = kernel(r, weight, 0.7, found)
-        expected = np.linalg.solve(np.linalg.inv(compliance) + np.diag(stiffness), r)
-        np.testing.assert_allclose(found, expected, rtol=0, atol=error * expected.max())
-        assert square == pytest.approx(r @ found)
+def test_held_nodes_do_not_move(kernel):
+    r, compliant = draws(2)
+    weight = np.array([0.0, 1.0, 0.5, 1.0, 1.0, 0.0, 1.0])
+    expected = np.where(weight > 0.0, compliant, 0.0)
+    assert kernel(r, weight, compliant) == pytest.approx(r @ expected)
+    np.testing.assert_allclose(compliant, expected)
 
 
 @pytest.mark.parametrize("kernel", both(kernels.descent_direction))
@@ -239,12 +231,12 @@ def test_the_curvature_is_that_of_body_and_law(kernel):
 @pytest.mark.parametrize("kernel", both(kernels.descent_update))
 def test_an_update_leaves_held_nodes_balanced(kernel):
     p, kp, pulled, d, kd, r = draws(6)
-    weight, source = np.array([0.0, 1.0, 0.5, 1.0, 1.0, 0.0, 1.0]), np.empty(7)
+    weight = np.array([0.0, 1.0, 0.5, 1.0, 1.0, 0.0, 1.0])
     left = np.where(weight > 0.0, r - 0.2 * (kp + pulled), r)
-    expected = d + 0.2 * p, kd + 0.2 * kp, left, weight * left
-    largest = kernel(p, kp, pulled, weight, 0.2, kernels.Descent(d, kd, r, source))
+    expected = d + 0.2 * p, kd + 0.2 * kp, left
+    largest = kernel(p, kp, pulled, weight, 0.2, kernels.Descent(d, kd, r))
     assert largest == abs(left[weight > 0.0]).max()
-    np.testing.assert_allclose((d, kd, r, source), expected)
+    np.testing.assert_allclose((d, kd, r), expected)
 
 
 @pytest.mark.parametrize("kernel", both(kernels.descent_trial))

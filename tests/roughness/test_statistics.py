@@ -1,11 +1,13 @@
 """Statistics of surfaces against waves with closed forms, brute force and the theory of Gaussian surfaces."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 from self_affine_spectrum import SelfAffineSpectrum
 
-from gfmd_numba.arrays.threads import Team, shared_by
+from gfmd_numba.arrays.threads import shared_by
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import model_surfaces, statistics
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
@@ -141,7 +143,7 @@ def test_scaled_heights_have_the_rms_asked_for():
 @pytest.mark.parametrize("size", [pytest.param(1024, marks=pytest.mark.long), 1025])
 def test_threads_share_what_is_made_and_known_of_a_map_and_change_no_bit_of_it(size, monkeypatch):
     weight, shared = np.random.default_rng(1).random((1, size, size)), []
-    by_rows, waves = Team.by_rows, SelfAffineWaves(0.7, 2.0, (size - 1) // 2)
+    submit, waves = ThreadPoolExecutor.submit, SelfAffineWaves(0.7, 2.0, (size - 1) // 2)
 
     def made() -> list[np.ndarray]:
         shared.append(0)
@@ -154,11 +156,11 @@ def test_threads_share_what_is_made_and_known_of_a_map_and_change_no_bit_of_it(s
             statistics.weighed_square_gradient(heights, weight, MAP, (True, False)),
         ]
 
-    def noted(team, work, shape):
-        shared[-1] += team.size > 1
-        return by_rows(team, work, shape)
+    def noted(pool, *work):  # once for each other thread
+        shared[-1] += 1
+        return submit(pool, *work)
 
-    monkeypatch.setattr(Team, "by_rows", noted)
+    monkeypatch.setattr(ThreadPoolExecutor, "submit", noted)
     alone = made()
     with shared_by(2):
         for found, expected in zip(made(), alone, strict=True):

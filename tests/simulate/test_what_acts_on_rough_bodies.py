@@ -87,9 +87,10 @@ def test_a_rough_body_and_a_nearly_rigid_one_feel_it_like_a_smooth_one_under_a_r
     close(own["displacement"], punched["displacement"], 1e-6)
     close(pair["displacement"], punched["displacement"], 1e-6)
     assert (own["next_order"] > 1e-4 * abs(own["displacement"]).max()).all()
-    # the inclined surfaces press along their normals between smooth bodies, too
-    assert (pair["next_order"] / own["next_order"] > 0.3).all()
-    assert (pair["next_order"] / own["next_order"] < 3.0).all()
+    if "plastic_area_fraction" not in punched:  # which allows order 0 alone
+        between = solved(path, 1, tmp_path, **parts | {"body": body, "counter_body": STIFF | {"roughness": ROUGH}})
+        change = abs(between["gap"] - pair["gap"]).max()
+        assert 0.5 * change < pair["next_order"].max() < 2.0 * change
 
 
 def test_tractions_on_one_of_two_bodies_move_that_one(tmp_path):

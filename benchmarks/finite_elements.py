@@ -170,7 +170,7 @@ class Body:
         for _ in range(most):
             gap, slip = clearance - u[n:], sliding - u[:n]
             tractions = np.concatenate((law.tangential_traction(gap, slip), law.normal_traction(gap, slip)))
-            along, both, out = (np.diag(each) for each in law.stiffness(gap, slip))
+            along, both, out = (np.diag(each) for each in law.stiffness(gap, slip[np.newaxis]))
             bend = np.diag(weight) @ np.block([[along, both], [both, out]])
             step = np.linalg.solve(stiffness + bend, weight * tractions - stiffness @ u)
             u = u + step

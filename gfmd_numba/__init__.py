@@ -415,7 +415,7 @@ def fit_tfc(
     own = json.loads(results.attrs.get("fits_of_targets", "{}")).get(variable, own)
     exponents = own.get("exponents", "shared") if exponents is None else exponents
     if fixed is not None:
-        check_effect(results, fixed, variable, exponents, omit_nyquist, step)
+        check_effect(results, fixed, variable, exponents, step)
     return fit(results, variable, exponents, own.get("fixed") if fixed is None else fixed, omit_nyquist, step)
 
 

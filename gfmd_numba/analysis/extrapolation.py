@@ -121,12 +121,12 @@ def check_effect(
     fixed: Fixed,
     variable: Variable = "kappa",
     exponents: Exponents = "shared",
-    omit_nyquist: Flag = True,
     step: int | None = None,
 ) -> None:
-    """Raise InputError for a fixed exponent that no law of a fit has."""
+    """Raise InputError for a fixed exponent that no law of any levels has, with those that a fit omits."""
     given = {limit: exponent_range(value) for limit, value in fixed.items()}
-    members = [each for one in steps_of(dataset, variable, step) for each in groups_to_fit(one, variable, omit_nyquist)]
+    steps = steps_of(dataset, variable, step)
+    members = [each for one in steps for each in groups_to_fit(one, variable, omit_nyquist=False)]
     families = [members] if exponents == "shared" else [[member] for member in members]
 
     def parameters(given: Given) -> list[object]:

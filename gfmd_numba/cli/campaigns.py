@@ -141,8 +141,10 @@ def show_results(
         options = fit_options(dataset)
         fitted = (fits or {}).get(options["variable"])
         if fitted is None:
+            from gfmd_numba.analysis import fit_tfc
+
             with waiting("fitting"):
-                fitted = gfmd_numba.fit_tfc(dataset, **options)
+                fitted = fit_tfc(dataset, **options)
         tell(of_results(dataset, fitted))
         drawn = _draw(dataset, fitted, results.with_suffix(".png"))
     else:

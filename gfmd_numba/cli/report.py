@@ -72,14 +72,14 @@ def _collected(results: Path) -> tuple[Path, Progress | None]:
 def _write(page: Path, dataset: xr.Dataset, file: Path, running: Progress | None) -> None:
     import jinja2
 
-    import gfmd_numba
+    from gfmd_numba.analysis import fit_tfc
     from gfmd_numba.storage import mark
     from gfmd_numba.storage.atomic_file import replace
     from gfmd_numba.text.recorded_scene import asked, described
 
     fitted = None
     if "case" in dataset.dims and has_limits(dataset) and running is None:
-        fitted = gfmd_numba.fit_tfc(dataset, **fit_options(dataset))
+        fitted = fit_tfc(dataset, **fit_options(dataset))
     loader = jinja2.PackageLoader("gfmd_numba", "cli")
     template = jinja2.Environment(loader=loader, autoescape=True, trim_blocks=True).get_template("report.html")
     versions = json.loads(dataset.attrs.get("versions", "{}"))

@@ -543,8 +543,7 @@ def of_results(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Told:
 
 def of_campaign(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Told:
     """Yield limits and how near they are to their target; the means of paths, or of all cases, where there are none."""
-    import gfmd_numba
-    from gfmd_numba.analysis import ensemble_mean
+    from gfmd_numba.analysis import ensemble_mean, fit_tfc
 
     options = fit_options(dataset)
     if "step" in dataset.dims:
@@ -558,9 +557,9 @@ def of_campaign(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Told:
     if "step" in dataset.dims:
         whole = {name: value for name, value in options.items() if name != "step"}
         for variable in (name for name in OF_PATHS if name in dataset and name != fitted.attrs["variable"]):
-            yield from of_fit(gfmd_numba.fit_tfc(dataset, **whole | {"variable": variable}))
+            yield from of_fit(fit_tfc(dataset, **whole | {"variable": variable}))
         if not (fitted["fit_status"] == "ok").any() and fitted.attrs["variable"] not in OF_PATHS:  # kappa under tension
-            shown = gfmd_numba.fit_tfc(dataset, **options | {"variable": "contact_area_fraction"})
+            shown = fit_tfc(dataset, **options | {"variable": "contact_area_fraction"})
     yield from of_fit(shown)
     yield from of_goal(dataset, fitted)
 

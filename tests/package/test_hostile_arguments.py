@@ -41,7 +41,7 @@ FUNCTIONS = {
         "budget": None,
     },
     "gfmd_numba.rounds": lambda things: {
-        "campaign": TINY | {"limits": {"eps_f": [1 / 8, 1 / 16]}, "fit": {"fixed": EXPONENTS}},
+        "campaign": TINY | {"limits": {"eps_f": [1 / 8, 1 / 16]}, "fit": {"fixed": {"eps_f": [0.5, 1.0]}}},
         "output": things.folder / "rounds" / "out",
         "workers": 0,
         "until": {"kappa": 0.1},

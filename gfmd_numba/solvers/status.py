@@ -61,9 +61,9 @@ SENTENCES: dict[IntEnum, str] = {
         "A traction was no finite number: look for heights, loads or stiffnesses beyond the range of numbers."
     ),
     Status.flows_on: (
-        "The plastic flow inside the body came to no rest in the iterations of an increment, as it hardly does where "
-        "the body nearly yields at all depths, or strains are large: press less, give the plasticity a hardening or "
-        "more increments, or raise numerics.residual."
+        "The plastic flow inside the body did not come to rest within the iterations of an increment. The body nearly "
+        "yields at all depths, or strains are large: press less, give the plasticity a hardening or more increments, "
+        "or raise numerics.residual."
     ),
 }
 

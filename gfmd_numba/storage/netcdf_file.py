@@ -40,11 +40,11 @@ class _Written:
         self._pairs: list[tuple[Any, Any]] = []
 
     def add(self, source: Any, target: Any, region: None = None) -> None:
-        """Remember what is to be written."""
+        """Remember the numbers of a variable."""
         self._pairs.append((source, target))
 
     def sync(self) -> None:
-        """Write it."""
+        """Write all numbers."""
         for source, target in self._pairs:
             target[...] = source
 

@@ -18,6 +18,7 @@ from gfmd_numba.campaign.run import run_until
 from gfmd_numba.campaign.status import campaign_in, verify
 from gfmd_numba.campaign.workers import Workers
 from gfmd_numba.scene import InputError
+from support.campaigns import killed_in
 
 SCENE = {
     "body": {"poissons_ratio": 0.33},
@@ -243,25 +244,11 @@ def test_finer_levels_stay_within_a_budget(refined, tmp_path, monkeypatch):
     assert outcome.rounds.now.price <= 1.05 * first < last
 
 
-class Killed(BaseException):
-    pass
-
-
 @pytest.mark.long
-def test_a_run_that_was_killed_chooses_the_same_levels(refined, tmp_path, monkeypatch):
+def test_a_run_that_was_killed_chooses_the_same_levels(refined, tmp_path):
     """In the fit of the round after the pilot, whose decision is not made yet."""
-    fits = iter([runs.fit_tfc])
-
-    def dying(*given, **options):
-        fit = next(fits, None)
-        if fit is None:
-            raise Killed
-        return fit(*given, **options)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(runs, "fit_tfc", dying)
-        with pytest.raises(Killed):
-            run_until(COARSE, GOAL, tmp_path / "out", HERE)
+    with killed_in(runs, "fit_tfc", 1):
+        run_until(COARSE, GOAL, tmp_path / "out", HERE)
     resumed = run_until(COARSE, GOAL, tmp_path / "out", HERE)
     assert rounds_of(resumed) == rounds_of(refined)
     assert digest(resumed) == digest(refined)

@@ -15,7 +15,7 @@ from gfmd_numba.campaign.run import run_until
 from gfmd_numba.campaign.workers import Workers
 from gfmd_numba.scene import InputError
 from gfmd_numba.theory.exponent_ranges import exponent_ranges
-from support.campaigns import campaign
+from support.campaigns import campaign, killed_in
 from support.command_line import gfmd, unfolded
 
 pytestmark = pytest.mark.usefixtures("laws_that_hold", "undrawn")
@@ -82,24 +82,10 @@ def test_the_errors_of_each_target_stand_in_the_file(reached):
 
 
 @pytest.mark.long
-def test_a_run_that_resumes_decides_as_before(reached, tmp_path, monkeypatch):
+def test_a_run_that_resumes_decides_as_before(reached, tmp_path):
     """It was killed between the two fits of its last round."""
-
-    class Killed(BaseException):
-        pass
-
-    fits = iter([runs.fit_tfc] * (2 * len(reached.rounds.rounds) - 1))
-
-    def dying(*given, **options):
-        fit = next(fits, None)
-        if fit is None:
-            raise Killed
-        return fit(*given, **options)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(runs, "fit_tfc", dying)
-        with pytest.raises(Killed):
-            run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", HERE)
+    with killed_in(runs, "fit_tfc", 2 * len(reached.rounds.rounds) - 1):
+        run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", HERE)
     resumed = run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", HERE)
     digests = [gfmd_numba.open_campaign(each.results).attrs["content_sha256"] for each in (resumed, reached)]
     assert digests[0] == digests[1]

@@ -18,7 +18,7 @@ from gfmd_numba.campaign.status import campaign_in, progress, verify
 from gfmd_numba.campaign.workers import Workers
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage import atomic_file
-from support.campaigns import campaign, numbers
+from support.campaigns import Killed, campaign, numbers
 
 pytestmark = pytest.mark.usefixtures("laws_that_hold")
 
@@ -94,10 +94,6 @@ def test_what_looks_at_the_directory_knows_the_rounds(reached):
     assert found.done == found.blocks
     assert (verdict.missing, verdict.damaged, verdict.foreign) == (0, [], [])
     assert campaign_in(out)[0].demand[opened(reached)["case_id"].values[0]] == reached.rounds.now.realisations[0]
-
-
-class Killed(BaseException):
-    pass
 
 
 def killed_at(write, patch):

@@ -11,7 +11,7 @@ from gfmd_numba.campaign import run as runs
 from gfmd_numba.cli.campaigns import goal_in
 from gfmd_numba.cli.tables import duration
 from gfmd_numba.scene import InputError
-from support.campaigns import TINY, campaign
+from support.campaigns import TINY, campaign, killed_in
 from support.command_line import gfmd, refused, unfolded
 from support.doubts import without_doubts
 
@@ -55,21 +55,9 @@ def told(said):
     return [tuple(map(int, line.split()[-2:])) for line in table.splitlines()[1:]]
 
 
-class Killed(BaseException):
-    pass
-
-
-def killed_before_round(number, monkeypatch, path, out, *options):
+def killed_before_round(number, path, out, *options):
     """The rounds of a run that is killed when it has decided about this one."""
-    left = [runs.finish] * number
-
-    def dying(*given):
-        if not left:
-            raise Killed
-        return left.pop()(*given)
-
-    monkeypatch.setattr(runs, "finish", dying)
-    with pytest.raises(Killed):
+    with killed_in(runs, "finish", number):
         gfmd("run", path, "-o", out, "--workers=0", *options)
     return rounds.read(out).rounds
 
@@ -82,7 +70,7 @@ def compared(tmp_path, monkeypatch):
         monkeypatch.setattr(runs, "seconds_per_price", lambda planned, directory: 1.0)
         said = planned(path, f"--target={target}")
         assert said.exit_code == 0, said.output
-        first, second = killed_before_round(1, monkeypatch, path, tmp_path / "out", f"--until={target}")
+        first, second = killed_before_round(1, path, tmp_path / "out", f"--until={target}")
         before = dict(zip(first.cases, first.realisations, strict=True))
         assert told(said.stdout) == [
             (before.get(case, 0), number) for case, number in zip(second.cases, second.realisations, strict=True)
@@ -207,14 +195,14 @@ def test_a_target_without_a_name_is_that_of_what_is_fitted(tmp_path):
     assert goal_in(path, {"": 0.02}, None, "--until").targets == {"kappa_r": 0.02}
 
 
-def test_without_a_target_on_the_command_line_the_first_round_of_that_in_the_file_is_planned(tmp_path, monkeypatch):
+def test_without_a_target_on_the_command_line_the_first_round_of_that_in_the_file_is_planned(tmp_path):
     asked = COARSE | {"target": {"kappa": "90%"}}
     path = written(tmp_path, asked)  # whose realisations are all that is asked for
     assert "simulations 10 of 10 asked for" in unfolded(planned(path, "--pilot=0").stdout)
     path = written(tmp_path, {name: value for name, value in asked.items() if name != "realisations"})
     said = planned(path, "--pilot=0")
     assert "what follows is the first round" in unfolded(said.stdout)
-    first = killed_before_round(0, monkeypatch, path, tmp_path / "out")[0].realisations
+    first = killed_before_round(0, path, tmp_path / "out")[0].realisations
     assert f"simulations {sum(first)} of {sum(first)} asked for" in unfolded(said.stdout)
     assert sum(first) > 2 * len(first)
     off = [line for line in said.stdout.splitlines() if line.startswith("off ")]

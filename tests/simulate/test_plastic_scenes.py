@@ -83,7 +83,7 @@ def test_a_flow_that_comes_to_no_rest_says_so_and_what_to_do(tmp_path, monkeypat
     assert done.exit_code == 3
     said = " ".join(done.stderr.split())
     assert "the run ended as flows_on after 4 iterations in step 0 of 1" in said
-    assert "The plastic flow inside the body came to no rest" in said
+    assert "The plastic flow inside the body did not come to rest" in said
     assert "press less" in said
 
 

@@ -82,6 +82,19 @@ def test_a_turned_map_has_the_turned_answer(hard_wall):
     assert min(np.abs(along).max(), np.abs(across).max()) > 1e-2 * peak
 
 
+def test_a_step_drags_each_node_by_half_a_tangential_length_at_most_where_the_law_acts():
+    """Nodes: dragged far, dragged little, far away from the punch, and so far past the law that it no longer acts."""
+    law, gap = EnergyOfSlip(LAW), LAW.normal * np.array([1.0, 1.0, 5.0, 1.0])
+    slip = LAW.tangential * np.array([[0.0, 0.0, 0.0, 9.0], [0.0] * 4])
+    way = LAW.tangential * np.array([[1.8, 0.3, 1.8, 1.8], [2.4, 0.4, 2.4, 2.4], [1.0] * 4])
+    u = np.random.default_rng(0).normal(size=way.shape)
+    trial = u + way
+    assert law.shorten(lambda: (gap, slip), u, trial)
+    kept = np.array([0.5 / 3.0, 1.0, 1.0, 1.0])
+    np.testing.assert_allclose(trial - u, way * [kept, kept, np.ones(4)], atol=1e-15)
+    assert not law.shorten(lambda: (gap, slip), u, u + 0.1 * way)
+
+
 def test_the_curvature_along_a_direction_is_the_second_derivative_of_the_energy():
     rng, law = np.random.default_rng(0), EnergyOfSlip(LAW)
     gap, slip, moved = rng.uniform(0.01, 0.05, 12), rng.uniform(-0.04, 0.04, (2, 12)), rng.normal(size=(3, 12))

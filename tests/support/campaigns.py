@@ -1,7 +1,10 @@
 """Files of small campaigns, and what of their results is independent of the run."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
+import pytest
 import xarray as xr
 
 SMALL = """
@@ -37,6 +40,26 @@ def campaign(folder: Path, text: str = SMALL, **replacements: str) -> Path:
     path = folder / "campaign.yaml"
     path.write_text(text)
     return path
+
+
+class Killed(BaseException):
+    """The end of a run that nothing in it catches."""
+
+
+@contextmanager
+def killed_in(module: object, name: str, calls: int) -> Iterator[None]:
+    """Kill what happens inside when a function of a module is called once more than so many times."""
+    work, left = getattr(module, name), iter(range(calls))
+
+    def dying(*given: object, **options: object) -> object:
+        if next(left, None) is None:
+            raise Killed
+        return work(*given, **options)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, name, dying)
+        with pytest.raises(Killed):
+            yield
 
 
 def numbers(dataset: xr.Dataset) -> xr.Dataset:

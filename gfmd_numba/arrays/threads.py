@@ -15,7 +15,7 @@ T = TypeVar("T")
 
 _PIECE = 2**14  # entries of an array that one thread takes at a time
 _PARTS = 4  # of the work for each thread: whoever is ready takes the next
-_FEWEST = 2**18  # nodes that are shared: fewer take less time than to wake a thread and wait for it
+_FEWEST = 2**17  # nodes that are shared: fewer take less time than to wake a thread and wait for it
 
 
 class Team:

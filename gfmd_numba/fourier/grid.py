@@ -20,7 +20,7 @@ k_x at Nyquist both k_y and -k_y are kept, one the conjugate of the other, so th
 
 import math
 from collections.abc import Callable
-from functools import partial, reduce
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -77,8 +77,12 @@ def wavevectors(shape: tuple[int, ...], lengths: tuple[float, ...]) -> tuple[Rea
 
 def magnitudes(shape: tuple[int, ...], lengths: tuple[float, ...] | None = None) -> Reals:
     """Magnitudes q = |q| `[(ny,) nx // 2 + 1]` of the wave vectors; without `lengths` in 1/L_x, all periods L_x."""
-    vectors = wavevectors(shape, (1.0,) * len(shape) if lengths is None else lengths)
-    return reduce(np.hypot, vectors)
+    *along_y, along_x = wavevectors(shape, (1.0,) * len(shape) if lengths is None else lengths)
+    if not along_y:
+        return along_x
+    found = np.empty((shape[0], along_x.size))
+    team().by_rows(lambda some: np.hypot(along_y[0][some], along_x, out=found[some]), found.shape)
+    return found
 
 
 def multiplicity(nx: int) -> Reals:

@@ -86,7 +86,7 @@ class Equilibrium:
         rows = len(punch)
         return cls(
             displacement=np.empty_like(punch),
-            pressure=np.zeros_like(punch),
+            pressure=np.zeros(punch.shape),  # which takes memory where it is touched, as `zeros_like` does not
             touching=np.empty(punch.shape, dtype=np.bool_),
             tangential=Tangential.zero(punch, sliding) if interface.couples else None,
             status=np.full(rows, Status.steps_used_up, dtype=np.int8),

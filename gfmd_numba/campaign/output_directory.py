@@ -171,7 +171,7 @@ def _label(directory: Path, name: str, text: str, folder: Path) -> None:
     mark = {"campaign": name, "labels": sorted(known), _HOME: os.path.abspath(folder)}
     json_file.write(directory / MARK, mark)
     if not equal:
-        atomic_file.replace(label, content, ours)
+        atomic_file.replace(label, [content], ours)
 
 
 def _labels(directory: Path) -> list[str]:

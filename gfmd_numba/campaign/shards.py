@@ -119,7 +119,7 @@ def store(directory: Path, blocks: Mapping[str, Arrays]) -> None:
         contents.insert(0, _MAGIC_OF_BUNDLE + hashlib.sha256(head).digest() + length + head)
     if contents:
         path = path_of(directory, list(blocks))
-        atomic_file.replace(path, b"".join(contents), _OURS[path.suffix])
+        atomic_file.replace(path, contents, _OURS[path.suffix])
 
 
 def remove_unreadable(directory: Path) -> None:

@@ -218,7 +218,7 @@ def init(file: Path) -> None:
 
     if file.exists() or file.is_symlink():
         raise InputError(f"{file}: this file exists, and gfmd overwrites nothing; choose a new name")
-    replace(file, files("gfmd_numba.campaign").joinpath("template.yaml").read_bytes(), is_product)
+    replace(file, [files("gfmd_numba.campaign").joinpath("template.yaml").read_bytes()], is_product)
     say("campaign", f"{file}: `gfmd plan {word(file)}` says what it costs, `gfmd run {word(file)}` runs it")
 
 

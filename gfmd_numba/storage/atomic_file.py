@@ -14,7 +14,7 @@ import mmap
 import os
 import re
 import stat
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import IO, TYPE_CHECKING
 from uuid import uuid4
@@ -34,8 +34,8 @@ _PLAIN = getattr(os, "O_BINARY", 0) | getattr(os, "O_CLOEXEC", 0)  # the first o
 _CAREFUL = _PLAIN | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)  # a pipe does not wait
 
 
-def replace(path: Path, content: bytes | memoryview, ours: Ours, mode: int = 0o666) -> None:
-    """Write a file under a temporary name in the same directory, force it to disk, then give it its name.
+def replace(path: Path, parts: Iterable[bytes | memoryview], ours: Ours, mode: int = 0o666) -> None:
+    """Write a file of some parts under a temporary name in the same directory, force it to disk, then give it its name.
 
     A file that is there must be `ours`, and its permissions stay; a new file has `mode` less the umask. Raises
     InputError for a file that is not ours, and OSError with the name of the file; the old file is then unharmed.
@@ -46,9 +46,10 @@ def replace(path: Path, content: bytes | memoryview, ours: Ours, mode: int = 0o6
         before = os.lstat(path).st_mode if os.path.lexists(path) else None
         file = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _PLAIN, mode)
         try:
-            rest = memoryview(content)
-            while rest:
-                rest = rest[os.write(file, rest) :]
+            for part in parts:
+                rest = memoryview(part)
+                while rest:
+                    rest = rest[os.write(file, rest) :]
             if before is not None:
                 os.chmod(unfinished, stat.S_IMODE(before))
             os.fsync(file)
@@ -192,4 +193,4 @@ def write_table(path: Path, columns: Mapping[str, Sequence[object]]) -> None:
     table = csv.writer(content, lineterminator="\n")
     table.writerow(columns)
     table.writerows(zip(*columns.values(), strict=True))
-    replace(path, mark.marked_table(content.getvalue().encode()), mark.is_product)
+    replace(path, [mark.marked_table(content.getvalue().encode())], mark.is_product)

@@ -38,7 +38,7 @@ def save(name: str, code: bytes) -> None:
     path = folder()
     if path is not None:
         with suppress(OSError, InputError):  # it is compiled again next time
-            replace(path / name, _seal(name, code) + code, mark.begins_with(_MAGIC), mode=0o600)
+            replace(path / name, [_seal(name, code), code], mark.begins_with(_MAGIC), mode=0o600)
 
 
 def load(name: str) -> bytes | None:

@@ -49,13 +49,16 @@ _PRODUCTS = (
 _NOTE = _Form(b"{", b"}", lambda text: b', "mark": "' + text + b'"')
 
 
-def marked(content: bytes | memoryview) -> bytes:
-    """Return the content of a dataset, picture, page or note with its mark; other kinds have none, and always stay."""
+def marked(content: bytes | memoryview) -> list[bytes | memoryview]:
+    """Return the parts of the content of a dataset, picture, page or note with its mark, which other kinds do not have.
+
+    The content itself is not copied, as it may fill a good part of the memory.
+    """
     for form in (*_PRODUCTS, _NOTE):
         if content[: len(form.beginning)] == form.beginning:
-            body = content[: len(content) - len(form.ending)]
-            return b"".join((body, form.mark(_digest(body)), form.ending))
-    return bytes(content)
+            body = memoryview(content)[: len(content) - len(form.ending)]
+            return [body, form.mark(_digest(body)), form.ending]
+    return [content]
 
 
 def marked_table(table: bytes) -> bytes:

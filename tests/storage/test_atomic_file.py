@@ -18,7 +18,7 @@ def anything(content):
 def test_files_follow_the_umask(tmp_path):
     before = os.umask(0o027)
     try:
-        replace(tmp_path / "file", b"", anything)
+        replace(tmp_path / "file", [b""], anything)
     finally:
         os.umask(before)
     assert (tmp_path / "file").stat().st_mode & 0o777 == 0o640
@@ -34,7 +34,7 @@ def test_a_new_name_is_forced_to_disk_as_well_as_the_content(tmp_path, monkeypat
         real(file)
 
     monkeypatch.setattr(os, "fsync", fsync)
-    replace(tmp_path / "file", b"new", anything)
+    replace(tmp_path / "file", [b"new"], anything)
     assert done == ["content", "rename", "folder"]
     done.clear()
     atomic_file.make_folder(tmp_path / "shards")
@@ -62,7 +62,7 @@ def test_what_is_no_regular_file_is_neither_read_nor_replaced(tmp_path):
         assert read(path) is None
         assert opened(path) is None
         assert json_file.read(path) == {}
-        for write in (lambda path=path: replace(path, b"", anything), lambda path=path: atomic_file.open_own(path)):
+        for write in (lambda path=path: replace(path, [b""], anything), lambda path=path: atomic_file.open_own(path)):
             with pytest.raises(
                 InputError, match=r"you gave a path which is (a link|not a regular file); gfmd allows no"
             ):
@@ -85,7 +85,7 @@ def test_an_interrupt_while_a_mark_is_compared_stays_an_interrupt(tmp_path, monk
         raise KeyboardInterrupt
 
     path = tmp_path / "results.nc"
-    path.write_bytes(mark.marked(b"\x89HDF\r\n\x1a\n" + bytes(100)))
+    path.write_bytes(b"".join(mark.marked(b"\x89HDF\r\n\x1a\n" + bytes(100))))
     monkeypatch.setattr(mark, "_digest", interrupted)
     with pytest.raises(KeyboardInterrupt):
         atomic_file.foreign(path)

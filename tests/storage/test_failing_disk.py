@@ -51,7 +51,7 @@ def test_a_write_that_fails_at_any_call_leaves_the_old_file_or_the_new_one(tmp_p
             file.parent.mkdir()
             file.write_bytes(old)
             with FailingDisk(file.parent, at, full).mounted() as disk, suppress(OSError):
-                replace(file, new, ours)
+                replace(file, [new], ours)
             refused = disk.refused
             assert file.read_bytes() in ((old, new) if refused.startswith("fsync") or not refused else (old,))
             assert list(file.parent.iterdir()) == [file]

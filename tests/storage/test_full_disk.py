@@ -149,7 +149,7 @@ def test_a_run_on_a_disk_that_is_full_resumes_once_there_is_room(small_disk, tmp
 def test_a_replaced_file_keeps_its_permissions(tmp_path):
     file = tmp_path / "file"
     file.touch(mode=0o600)
-    replace(file, b"new", is_product)
+    replace(file, [b"new"], is_product)
     assert file.read_bytes() == b"new"
     assert file.stat().st_mode & 0o777 == 0o600
 

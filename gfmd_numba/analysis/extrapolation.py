@@ -93,7 +93,7 @@ def fit_tfc(
     Each step of a loading path, or the one that is given as `step`, is fitted for itself, so that groups also differ
     in `path_step`; what is known of the path as a whole, like `pull_off_pressure`, is fitted once.
     """
-    given = given_ranges(fixed)
+    given = given_ranges(fixed or {})
     if step is not None or {"case", "step"} <= set(dataset.dims):
         steps = steps_of(dataset, variable, step)
         return joined([fit_tfc(one, variable, exponents, fixed, omit_nyquist) for one in steps])
@@ -139,9 +139,7 @@ def check_effect(
             raise InputError.of("fixed", f"an exponent of {name}", f"none for {name}: {why}")
 
 
-def refusals(
-    dataset: xr.Dataset, variable: str = "kappa", exponents: Exponents = "shared", fixed: Fixed | None = None
-) -> dict[str, int]:
+def refusals(dataset: xr.Dataset, variable: str, exponents: Exponents, fixed: Fixed) -> dict[str, int]:
     """Return why a fit of these cases is refused whatever their values are, and of how many groups that is true."""
     families = _families(groups_to_fit(dataset, variable, omit_nyquist=True), exponents)
     return dict(Counter(lack for family in families for lack in _lacks(family, given_ranges(fixed)) if lack))
@@ -332,7 +330,9 @@ def _by_law(index: int, group: Group, found: Sequence[ChoiceOfLaws], weights: Se
     limits = []
     for choice, weight in zip(found, weights, strict=True):
         mean, variance = _moments(weight / max(weight.sum(), 1e-300), [choice.fits[index]])
-        limits.append(f"{with_error(mean, float(np.sqrt(variance)))} by {_NAMED[choice.laws['eps_f'].name]} ({weight.sum():.0%})")
+        limits.append(
+            f"{with_error(mean, float(np.sqrt(variance)))} by {_NAMED[choice.laws['eps_f'].name]} ({weight.sum():.0%})"
+        )
     return [f"{group.variable}_tfc is {' and '.join(limits)}"]
 
 

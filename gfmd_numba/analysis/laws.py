@@ -170,7 +170,7 @@ def choices(limits: Sequence[str], groups: Sequence[Group], given: Given) -> lis
     return [powers, from_theory] if "eps_f" in given and hursts[0] <= STEEPEST else [from_theory]
 
 
-def given_ranges(fixed: Mapping[str, float | Sequence[float]] | None) -> Given:
+def given_ranges(fixed: Mapping[str, float | Sequence[float]]) -> Given:
     """Return the ends of the range of each fixed exponent."""
-    ends = {limit: each if isinstance(each, Sequence) else (each, each) for limit, each in (fixed or {}).items()}
+    ends = {limit: each if isinstance(each, Sequence) else (each, each) for limit, each in fixed.items()}
     return {limit: (float(low), float(high)) for limit, (low, high) in ends.items()}

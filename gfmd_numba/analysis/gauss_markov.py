@@ -172,8 +172,8 @@ def means_of(group: Group, values: Reals) -> Means:
         if has_slope_law(group.variable, group.parameters.get("hurst", np.nan), group.load)
         else 1.0
     )
-    means = Means(mean, np.linalg.inv(np.linalg.cholesky(of_means)), group.levels, group.reference, interaction_power)
-    scatter = scatter_of(values)
+    whitener, scatter = np.linalg.inv(np.linalg.cholesky(of_means)), _scatter(values, covariance, mean, of_means)
+    means = Means(mean, whitener, group.levels, group.reference, interaction_power, scatter)
     if scatter is None:
         return means
     influence, contrasts = exponent_posterior.linear_influence(means)
@@ -185,10 +185,8 @@ def means_of(group: Group, values: Reals) -> Means:
     return replace(means, whitener=means.whitener / np.sqrt(factor))
 
 
-def scatter_of(values: Reals) -> Reals | None:
-    """Return the scatter of the means of values (realisation, case); None if they have none."""
-    covariance = covariance_of_one(values)
-    mean, of_means = best_means(values, covariance)
+def _scatter(values: Reals, covariance: Reals, mean: Reals, of_means: Reals) -> Reals | None:
+    """Return the scatter of the best means of values (realisation, case); None if they have none."""
     if len(values) < 2 or np.nanstd(values - mean) <= 1e-9 * np.nanmax(abs(values)):
         return None
     present = np.isfinite(values)
@@ -202,8 +200,7 @@ def misfit_factor(groups: Sequence[Group], means: Sequence[Means], found: Sequen
     The chi^2 is that of the means without the prior: coefficients other than expected are no misfit of a law. Its
     distribution follows from the scatter of the means, as V is only estimated (Satterthwaite 1946).
     """
-    found_scatters = [scatter_of(group.values[group.complete]) for group in groups]
-    scatters = [scatter for scatter in found_scatters if scatter is not None]
+    scatters = [each.scatter for each in means if each.scatter is not None]
     freedom = min(group.n_realisations for group in groups) - 1
     if freedom < 1 or len(scatters) < len(groups):
         return 1.0

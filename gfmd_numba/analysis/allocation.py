@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from gfmd_numba.analysis.exponent_posterior import linearised, weighed
 from gfmd_numba.analysis.forms import UnusableDataError
 from gfmd_numba.analysis.gauss_markov import degrees_of_freedom, means_of, pooled_covariance
-from gfmd_numba.analysis.laws import Given, choices, exponent_range
+from gfmd_numba.analysis.laws import Given, choices, given_ranges
 from gfmd_numba.analysis.limit_errors import inseparable
 from gfmd_numba.analysis.selection import CROSS, LIMITS, Group, groups_to_fit, steps_of
 from gfmd_numba.arrays import Reals
@@ -63,11 +63,11 @@ def _ensembles(pilot: xr.Dataset, number: NDArray[np.intp], variable: str, given
             raise UnusableDataError(f"you gave a pilot of {fewest} good realisations; gfmd allows at least {FEWEST}")
         if why := inseparable(group):
             raise UnusableDataError(why)
-        found.append(_ensemble(group, values, number[group.cases], variable, given))
+        found.append(_ensemble(group, values, number[group.cases], given))
     return found
 
 
-def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], variable: str, given: Given) -> _Ensemble:
+def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], given: Given) -> _Ensemble:
     means = means_of(group, values)
     found = [weighed([means], laws) for laws in choices(list(group.levels), [group], given)]
     likeliest = max(found, key=lambda choice: choice.log_weight.max())
@@ -178,9 +178,8 @@ class Pilot:
         order = [_REFERENCE[0], *LIMITS, CROSS]
         levels = sorted(dict.fromkeys([_REFERENCE, *of_cases]), key=lambda level: order.index(level[0]))
         number = np.array([levels.index(level) for level in of_cases], dtype=np.intp)
-        given = {limit: exponent_range(value) for limit, value in fixed.items()}
         with one_thread_of_algebra():
-            return cls(_ensembles(results, number, variable, given), levels, number)
+            return cls(_ensembles(results, number, variable, given_ranges(fixed)), levels, number)
 
     def predictions(self, counts: Sequence[int] | NDArray[np.intp]) -> list[Prediction]:
         """Error of each group, along a path of each step, for numbers of realisations (case)."""

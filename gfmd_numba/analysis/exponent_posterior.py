@@ -39,6 +39,7 @@ class Means:
     levels: dict[str, Reals]  # (case) of the limits that are varied
     reference: dict[str, float]
     interaction_power: float = 1.0  # power of the law of eps_f with which the correction in eps_t falls
+    scatter: Reals | None = None  # (case, case) of the means, by which the whitener is judged; None if they have none
 
     @property
     def pairs(self) -> list[tuple[str, str]]:

@@ -48,7 +48,7 @@ from gfmd_numba.analysis.exponent_posterior import ChoiceOfLaws, Laws, Linear, M
 from gfmd_numba.analysis.fit_dataset import N_PARAMETERS, PAIRS, SOURCES, STEPS, GroupFit, fit_dataset, named
 from gfmd_numba.analysis.forms import CAMPAIGN
 from gfmd_numba.analysis.gauss_markov import means_of, misfit_factor
-from gfmd_numba.analysis.laws import POWER, UNSEEN_SLOPE, Given, choices, exponent_range
+from gfmd_numba.analysis.laws import POWER, UNSEEN_SLOPE, Given, choices, given_ranges
 from gfmd_numba.analysis.limit_errors import Rival
 from gfmd_numba.analysis.selection import LIMITS, Group, fractions, groups_to_fit, joined, processor_time, steps_of
 from gfmd_numba.arrays import Reals
@@ -93,16 +93,15 @@ def fit_tfc(
     Each step of a loading path, or the one that is given as `step`, is fitted for itself, so that groups also differ
     in `path_step`; what is known of the path as a whole, like `pull_off_pressure`, is fitted once.
     """
-    given = {limit: exponent_range(value) for limit, value in (fixed or {}).items()}
+    given = given_ranges(fixed or {})
     if step is not None or {"case", "step"} <= set(dataset.dims):
         steps = steps_of(dataset, variable, step)
         return joined([fit_tfc(one, variable, exponents, fixed, omit_nyquist) for one in steps])
     ends = np.array([given.get(name, (np.nan, np.nan)) for name in LIMITS])
     ranges: GroupFit = {"alpha_low": ends[:, 0], "alpha_high": ends[:, 1]}
     members = groups_to_fit(dataset, variable, omit_nyquist)
-    families = [members] if exponents == "shared" else [[member] for member in members]
     with one_thread_of_algebra():
-        fits = [fit | ranges for family in families for fit in _fit_family(family, variable, given)]
+        fits = [fit | ranges for family in _families(members, exponents) for fit in _fit_family(family, given)]
     shown = [f"{name}: {low:g}" + f"..{high:g}" * (low < high) for name, (low, high) in given.items()]
     return fit_dataset(dataset, variable, members, fits).assign_attrs(
         variable=variable,
@@ -124,13 +123,12 @@ def check_effect(
     step: int | None = None,
 ) -> None:
     """Raise InputError for a fixed exponent that no law of any levels has, with those that a fit omits."""
-    given = {limit: exponent_range(value) for limit, value in fixed.items()}
+    given = given_ranges(fixed)
     steps = steps_of(dataset, variable, step)
     members = [each for one in steps for each in groups_to_fit(one, variable, omit_nyquist=False)]
-    families = [members] if exponents == "shared" else [[member] for member in members]
 
     def parameters(given: Given) -> list[object]:
-        laws = [each for family in families for each in _choices(family, given)]
+        laws = [each for family in _families(members, exponents) for each in _choices(family, given)]
         return [{limit: law.parameters for limit, law in each.items()} for each in laws]
 
     for name in given:
@@ -141,14 +139,15 @@ def check_effect(
             raise InputError.of("fixed", f"an exponent of {name}", f"none for {name}: {why}")
 
 
-def refusals(
-    dataset: xr.Dataset, variable: str = "kappa", exponents: Exponents = "shared", fixed: Fixed | None = None
-) -> dict[str, int]:
+def refusals(dataset: xr.Dataset, variable: str, exponents: Exponents, fixed: Fixed) -> dict[str, int]:
     """Return why a fit of these cases is refused whatever their values are, and of how many groups that is true."""
-    given = {limit: exponent_range(value) for limit, value in (fixed or {}).items()}
-    members = groups_to_fit(dataset, variable, omit_nyquist=True)
-    families = [members] if exponents == "shared" else [[member] for member in members]
-    return dict(Counter(lack for family in families for lack in _lacks(family, variable, given) if lack))
+    families = _families(groups_to_fit(dataset, variable, omit_nyquist=True), exponents)
+    return dict(Counter(lack for family in families for lack in _lacks(family, given_ranges(fixed)) if lack))
+
+
+def _families(members: list[Group], exponents: Exponents) -> list[list[Group]]:
+    """Return the groups that share the parameters of their laws."""
+    return [members] if exponents == "shared" else [[member] for member in members]
 
 
 def _choices(groups: Sequence[Group], given: Given) -> list[Laws]:
@@ -156,7 +155,7 @@ def _choices(groups: Sequence[Group], given: Given) -> list[Laws]:
     return choices(varied, groups, given)
 
 
-def _lacks(groups: Sequence[Group], variable: str, given: Given) -> list[str]:
+def _lacks(groups: Sequence[Group], given: Given) -> list[str]:
     """Return what the cases of each of the groups that share their laws lack for a fit; nothing of those with all."""
     lacks = [limit_errors.inseparable(group) or limit_errors.single_hills(group) for group in groups]
     able = [group for group, lack in zip(groups, lacks, strict=True) if not lack]
@@ -164,12 +163,12 @@ def _lacks(groups: Sequence[Group], variable: str, given: Given) -> list[str]:
     return [lack or short for lack in lacks]
 
 
-def _fit_family(groups: Sequence[Group], variable: str, given: Given) -> list[GroupFit]:
+def _fit_family(groups: Sequence[Group], given: Given) -> list[GroupFit]:
     """Return the fit of each of the groups that share the parameters of their laws."""
-    lacks = _lacks(groups, variable, given)
+    lacks = _lacks(groups, given)
     if any(lacks):
         able = [group for group, lack in zip(groups, lacks, strict=True) if not lack]
-        rest = iter(_fit_family(able, variable, given))
+        rest = iter(_fit_family(able, given))
         return [_refused(group, lack) if lack else next(rest) for group, lack in zip(groups, lacks, strict=True)]
     if not groups:
         return []
@@ -183,7 +182,7 @@ def _fit_family(groups: Sequence[Group], variable: str, given: Given) -> list[Gr
         left_out, found = [], whole
     why = limit_errors.unidentified_exponents(found.choices, found.weights)
     if why:
-        advice = limit_errors.advice(why, variable, groups[0].dimension)
+        advice = limit_errors.advice(why, groups[0].variable, groups[0].dimension)
         return [_refused(group, "\n".join([*_reasons(group, why), advice])) for group in groups]
     others = [
         (rival, _weighed(rival.groups, _choices(rival.groups, rival.given)))
@@ -208,11 +207,15 @@ class _Weighed:
 
     def limit_of(self, index: int) -> tuple[float, float]:
         """Return the limit of one group and its variance."""
-        weight = np.concatenate(self.weights)
-        value = np.concatenate([choice.fits[index].coefficients[:, 0] for choice in self.choices])
-        variance = np.concatenate([choice.fits[index].covariance[:, 0, 0] for choice in self.choices])
-        mean = float(weight @ value)
-        return mean, float(weight @ (variance + (value - mean) ** 2))
+        return _moments(np.concatenate(self.weights), [choice.fits[index] for choice in self.choices])
+
+
+def _moments(weight: Reals, fits: Sequence[Linear]) -> tuple[float, float]:
+    """Return the mean of the limits of fits, whose nodes have these weights, and its variance."""
+    value = np.concatenate([fit.coefficients[:, 0] for fit in fits])
+    variance = np.concatenate([fit.covariance[:, 0, 0] for fit in fits])
+    mean = float(weight @ value)
+    return mean, float(weight @ (variance + (value - mean) ** 2))
 
 
 def _weighed(groups: Sequence[Group], laws: Sequence[Laws]) -> _Weighed:
@@ -326,12 +329,10 @@ def _by_law(index: int, group: Group, found: Sequence[ChoiceOfLaws], weights: Se
         return []
     limits = []
     for choice, weight in zip(found, weights, strict=True):
-        value = choice.fits[index].coefficients[:, 0]
-        variance = choice.fits[index].covariance[:, 0, 0]
-        of_law = weight / max(weight.sum(), 1e-300)
-        mean = float(of_law @ value)
-        error = float(np.sqrt(of_law @ (variance + (value - mean) ** 2)))
-        limits.append(f"{with_error(mean, error)} by {_NAMED[choice.laws['eps_f'].name]} ({weight.sum():.0%})")
+        mean, variance = _moments(weight / max(weight.sum(), 1e-300), [choice.fits[index]])
+        limits.append(
+            f"{with_error(mean, float(np.sqrt(variance)))} by {_NAMED[choice.laws['eps_f'].name]} ({weight.sum():.0%})"
+        )
     return [f"{group.variable}_tfc is {' and '.join(limits)}"]
 
 

@@ -6,7 +6,7 @@ group by V^-1. The sample covariance of ten cases from thirty realisations is to
 towards "common offset plus independent residuals", as if there were two pseudo-realisations more for each case.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -20,20 +20,23 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.theory.exponent_ranges import has_slope_law
 
 
+def _designs(values: Reals) -> Iterator[tuple[NDArray[np.intp], Reals]]:
+    """Yield the cases that some realisations have, and their values (realisation, case) in these realisations."""
+    patterns, member = np.unique(np.isfinite(values), axis=0, return_inverse=True)
+    for index, pattern in enumerate(patterns):
+        there = np.flatnonzero(pattern)
+        if there.size:
+            yield there, values[np.ix_(member.ravel() == index, there)]
+
+
 def best_means(values: Reals, covariance: Reals) -> tuple[Reals, Reals]:
     """Return the least-variance means of the cases (Gauss-Markov) and their covariance.
 
     Realisations that only the cheaper cases have improve the dearer ones through the covariance of the two: for
     nested levels this is multilevel Monte Carlo with the best control coefficients (Giles 2008).
     """
-    present = np.isfinite(values)
-    patterns, member = np.unique(present, axis=0, return_inverse=True)
     information, total = np.zeros_like(covariance), np.zeros(len(covariance))
-    for index, pattern in enumerate(patterns):
-        there = np.flatnonzero(pattern)
-        if not there.size:
-            continue
-        rows = values[np.ix_(member.ravel() == index, there)]
+    for there, rows in _designs(values):
         weight = np.linalg.inv(covariance[np.ix_(there, there)])
         information[np.ix_(there, there)] += len(rows) * weight
         total[there] += weight @ rows.sum(axis=0)
@@ -48,13 +51,9 @@ def scatter_of_means(values: Reals, covariance: Reals, of_means: Reals) -> Reals
     `of_means`; the scatter found here does not rely on that estimate. Realisations of the same cases form a design; the
     mean of each design is subtracted.
     """
-    mean, present = np.nanmean(values, axis=0), np.isfinite(values)
-    patterns, member = np.unique(present, axis=0, return_inverse=True)
-    scatter = np.zeros_like(of_means)
-    for index, pattern in enumerate(patterns):
-        there = np.flatnonzero(pattern)
-        rows = values[np.ix_(member.ravel() == index, there)] - mean[there]
-        parts = rows @ np.linalg.solve(covariance[np.ix_(there, there)], of_means[there])
+    mean, scatter = np.nanmean(values, axis=0), np.zeros_like(of_means)
+    for there, rows in _designs(values):
+        parts = (rows - mean[there]) @ np.linalg.solve(covariance[np.ix_(there, there)], of_means[there])
         n = len(parts)
         centred = parts - parts.mean(axis=0) if n > 1 else parts
         scatter += centred.T @ centred * (n / (n - 1) if n > 1 else 1.0)
@@ -153,16 +152,14 @@ def degrees_of_freedom(values: Reals, covariance: Reals, columns: Reals) -> floa
     sample of their own. Each adds its part to the variance, and has as many degrees of freedom as realisations beyond
     its cases.
     """
-    patterns, sizes = np.unique(np.isfinite(values), axis=0, return_counts=True)
-    parts = []
-    for pattern, size in zip(patterns, sizes, strict=True):
-        there = np.flatnonzero(pattern)
+    parts, freedom = [], []
+    for there, rows in _designs(values):
         information = np.zeros_like(covariance)
-        information[np.ix_(there, there)] = size * np.linalg.inv(covariance[np.ix_(there, there)])
+        information[np.ix_(there, there)] = len(rows) * np.linalg.inv(covariance[np.ix_(there, there)])
         parts.append(information)
+        freedom.append(max(2, len(rows) - there.size))
     weights = columns @ np.linalg.pinv(columns.T @ sum(parts) @ columns, hermitian=True)[0]
     variances = np.array([weights @ information @ weights for information in parts])
-    freedom = np.maximum(2, sizes - patterns.sum(axis=1))
     return float(variances.sum() ** 2 / (variances**2 / freedom).sum())
 
 
@@ -175,8 +172,8 @@ def means_of(group: Group, values: Reals) -> Means:
         if has_slope_law(group.variable, group.parameters.get("hurst", np.nan), group.load)
         else 1.0
     )
-    means = Means(mean, np.linalg.inv(np.linalg.cholesky(of_means)), group.levels, group.reference, interaction_power)
-    scatter = scatter_of(values)
+    whitener, scatter = np.linalg.inv(np.linalg.cholesky(of_means)), _scatter(values, covariance, mean, of_means)
+    means = Means(mean, whitener, group.levels, group.reference, interaction_power, scatter)
     if scatter is None:
         return means
     influence, contrasts = exponent_posterior.linear_influence(means)
@@ -188,10 +185,8 @@ def means_of(group: Group, values: Reals) -> Means:
     return replace(means, whitener=means.whitener / np.sqrt(factor))
 
 
-def scatter_of(values: Reals) -> Reals | None:
-    """Return the scatter of the means of values (realisation, case); None if they have none."""
-    covariance = covariance_of_one(values)
-    mean, of_means = best_means(values, covariance)
+def _scatter(values: Reals, covariance: Reals, mean: Reals, of_means: Reals) -> Reals | None:
+    """Return the scatter of the best means of values (realisation, case); None if they have none."""
     if len(values) < 2 or np.nanstd(values - mean) <= 1e-9 * np.nanmax(abs(values)):
         return None
     present = np.isfinite(values)
@@ -205,8 +200,7 @@ def misfit_factor(groups: Sequence[Group], means: Sequence[Means], found: Sequen
     The chi^2 is that of the means without the prior: coefficients other than expected are no misfit of a law. Its
     distribution follows from the scatter of the means, as V is only estimated (Satterthwaite 1946).
     """
-    found_scatters = [scatter_of(group.values[group.complete]) for group in groups]
-    scatters = [scatter for scatter in found_scatters if scatter is not None]
+    scatters = [each.scatter for each in means if each.scatter is not None]
     freedom = min(group.n_realisations for group in groups) - 1
     if freedom < 1 or len(scatters) < len(groups):
         return 1.0

@@ -170,7 +170,7 @@ def choices(limits: Sequence[str], groups: Sequence[Group], given: Given) -> lis
     return [powers, from_theory] if "eps_f" in given and hursts[0] <= STEEPEST else [from_theory]
 
 
-def exponent_range(value: float | Sequence[float]) -> tuple[float, float]:
-    """Return the ends of the range of a fixed exponent."""
-    low, high = value if isinstance(value, Sequence) else (value, value)
-    return float(low), float(high)
+def given_ranges(fixed: Mapping[str, float | Sequence[float]]) -> Given:
+    """Return the ends of the range of each fixed exponent."""
+    ends = {limit: each if isinstance(each, Sequence) else (each, each) for limit, each in fixed.items()}
+    return {limit: (float(low), float(high)) for limit, (low, high) in ends.items()}

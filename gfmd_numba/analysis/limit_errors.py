@@ -321,7 +321,7 @@ def _was_measured(finest: Reals | float, dimension: int, load: Reals | float) ->
 
 
 def extrapolation_errors(
-    index: int, group: Group, means: Means, choice: ChoiceOfLaws, at_an_end: Collection[str] = ()
+    index: int, group: Group, means: Means, choice: ChoiceOfLaws, at_an_end: Collection[str]
 ) -> Reals:
     """Return the standard error of each limit by the distance that its law bridges (node, limit), 0 if not varied.
 

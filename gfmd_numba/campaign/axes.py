@@ -283,11 +283,11 @@ def values_of(grid: Grid, axis: str) -> tuple[Any, ...] | None:
     return tuple(float(value) if isinstance(value, float) else value for value in given)
 
 
-def varied_scenes(scene: Scene, grid: Grid) -> Iterator[tuple[Axis, Location, Scene]]:
-    """Yield the scene with each single value of a grid: its axis, where the value stands in the file, and the scene."""
+def varied_scenes(scene: Scene, grid: Grid) -> Iterator[Scene]:
+    """Yield the scene with each single value of a grid."""
     for axis in OF_THE_SCENE:
-        for i, value in enumerate(values_of(grid, axis.name) or ()):
-            yield axis, ("grid", axis.name, i), with_values(scene, {axis.place: value})
+        for value in values_of(grid, axis.name) or ():
+            yield with_values(scene, {axis.place: value})
 
 
 def check_grid(document: Document, scene: Scene, grid: Grid) -> None:

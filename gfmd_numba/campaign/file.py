@@ -252,7 +252,7 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
     if not _measured(campaign.scene):  # only its file tells the dimension
         check_scene(document, campaign, campaign.scene)
     check_grid(document, campaign.scene, campaign.grid)
-    scenes = [campaign.scene, *(each for _, _, each in varied_scenes(campaign.scene, campaign.grid))]
+    scenes = [campaign.scene, *varied_scenes(campaign.scene, campaign.grid)]
     orders = [(each, campaign.numerics.slope_order(each)) for each in scenes]
     for fit, place in campaign.fits():
         check_fit(document, fit, place, orders, campaign.limits.varied)

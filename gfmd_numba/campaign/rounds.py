@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, Field, ValidationError
 
 from gfmd_numba.analysis.selection import at_nyquist
 from gfmd_numba.campaign import limits
@@ -28,7 +28,6 @@ from gfmd_numba.text.input_error import ABSENT
 _SPARE = 8  # realisations beyond the cases of a group, by which a pilot knows its errors to a factor of 1.5,
 _MOST_OF_A_PILOT = 40  # as far as there are so many
 FILE = "rounds.json"
-_RECORD = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 _OF_A_TARGET = {
     "predicted_error": "relative standard error of the limit, times its factor, that was expected before the round",
@@ -45,7 +44,7 @@ _OF_A_ROUND = {
 class TargetError(BaseModel):
     """Relative error of a target after a round (None if the fit is refused), its factor, and whether that is enough."""
 
-    model_config = _RECORD
+    model_config = Goal.model_config
     error: float | None
     factor: float
     reached: bool
@@ -59,7 +58,7 @@ class Round(BaseModel):
     None stands for what is not known; for a pilot nothing is predicted.
     """
 
-    model_config = _RECORD
+    model_config = Goal.model_config
     realisations: tuple[Annotated[int, Field(ge=1, le=limits.MOST)], ...] = Field(min_length=1)  # (case)
     is_last: bool
     levels: tuple[tuple[tuple[float, ...], ...], ...] = ()  # of each group, its reference first; (): the pilot's
@@ -93,7 +92,7 @@ class Rounds(BaseModel):
     The seconds per price are measured once, in the pilot, so that a run that resumes decides as before.
     """
 
-    model_config = _RECORD
+    model_config = Goal.model_config
     goal: Goal
     campaign_sha256: str
     seconds_per_price: float | None = Field(None, gt=0)

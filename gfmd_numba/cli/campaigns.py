@@ -315,8 +315,7 @@ def collect(directory: Path) -> None:
 
     results = collect_campaign(campaign_in(directory)[0], directory)
     say_written("results", results)
-    for doubt in read_results(results).attrs["validity"].splitlines():
-        warn(doubt)
+    say_doubts(read_results(results))
 
 
 @main.command()

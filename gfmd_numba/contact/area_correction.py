@@ -137,23 +137,15 @@ def radius(size: Reals, dimension: int) -> Reals:
 
 
 def contact_length(
-    pressure: Reals,
-    touching: Flags,
-    edge: Edge,
-    elastic: Flags | None = None,
-    filled: Reals | None = None,
-    ends: bool = False,
+    pressure: Reals, touching: Flags, edge: Edge, elastic: Flags, filled: Reals, ends: bool
 ) -> tuple[Reals, Reals]:
     """Contact length over L_x from the pressures `[realisation, x]` at the edges of its stretches, and its error.
 
     The error `[realisation]` is one standard deviation, by edges whose position between two nodes is unknown. Nodes
-    that are not `elastic`, by default none, have known edges: each counts by the part by which it is `filled`. Profiles
-    are periodic unless they have `ends`, where a stretch that reaches them has no edge.
+    that are not `elastic` have known edges: each counts by the part by which it is `filled`. Profiles are periodic
+    unless they have `ends`, where a stretch that reaches them has no edge.
     """
-    nx = pressure.shape[1]
-    elastic = touching if elastic is None else elastic
-    shares = touching.sum(axis=1) if filled is None else filled.sum(axis=1)
-    inside = slice(None)
+    nx, inside = pressure.shape[1], slice(None)
     if ends:
         margin, inside = ((0, 0), (_LEAST_NODES, _LEAST_NODES)), slice(_LEAST_NODES, -_LEAST_NODES)
         pressure = np.pad(pressure, margin, "edge")
@@ -172,7 +164,7 @@ def contact_length(
             :, inside
         ].sum(axis=1)
         unknown += (last & ~resolved)[:, inside].sum(axis=1)
-    return (shares + beyond) / nx, np.sqrt(unknown / 12.0) / nx
+    return (filled.sum(axis=1) + beyond) / nx, np.sqrt(unknown / 12.0) / nx
 
 
 def contact_area(

@@ -26,7 +26,7 @@ from gfmd_numba.contact.observables import (
 )
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.reduced_loads import SLIDING, times_of
-from gfmd_numba.contact.rough_surfaces import BODIES, RoughBody
+from gfmd_numba.contact.rough_surfaces import RoughBody
 from gfmd_numba.contact.slopes import tractions_on
 from gfmd_numba.contact.state import Contact, Followed
 from gfmd_numba.contact.two_step import RoughContact
@@ -124,7 +124,7 @@ def units_of(given: ContactInput) -> Units:
 
 def modulus_attributes(scene: Scene) -> dict[str, str]:
     """Attributes of a dataset whose E* is that of one layer among others; none of any other."""
-    if all(body.layers is None for body in scene.deformable) or not scene.has_moduli:
+    if all(body.layers is None for body in scene.deformable.values()) or not scene.has_moduli:
         return {}
     scales = scales_of(scene)
     whose = "the topmost layer" if len(scene.deformable) == 1 else "both bodies together, of layers the topmost"
@@ -357,7 +357,7 @@ def _add_bodies(
     dims, pairing = found["height"].dims, solved.correction.pairing
     assert problem.rough is not None  # as its bodies are
     whole, rms_gradient = units_of(given), given.surfaces.rms_gradient
-    for name, body, response in zip(BODIES, bodies, solved.responses, strict=False):
+    for name, body, response in zip(given.file.scene.deformable, bodies, solved.responses, strict=True):
         prefix, whose = ("", "body") if name == "body" else ("counter_body_", "counter body")
         unit = Units(
             {"height": whole.worth["length"], "pressure": whole.worth["E*"] / body.compliance_fraction}, whole.names

@@ -242,7 +242,7 @@ def check_room(
     """
     scene = file.scene
     held = not any(scene.ends)  # around a window there is room
-    rigid_mean = held and all(body.is_incompressible and not body.is_half_space for body in scene.deformable)
+    rigid_mean = held and all(body.is_incompressible and not body.is_half_space for body in scene.deformable.values())
     # at higher orders a body that is pressed moves what its topography takes up, too
     if scene.loading.displacement is None or not rigid_mean or surfaces.order > 0:
         return

@@ -8,7 +8,6 @@ from typing import Literal
 
 from gfmd_numba.contact.combinations import LEAST_POISSONS_RATIO, LOWEST, REFUSALS, SAMPLED, SOFTEST, TALLEST, Refusal
 from gfmd_numba.scene import COMPONENTS, Body, Document, InputError, Measured, Numerics, Scene
-from gfmd_numba.scene.body_record import Layer, MaterialRecord
 from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.interface_records import Friction, LawOfTheGap
 from gfmd_numba.scene.loading import Controls, Step
@@ -98,14 +97,13 @@ def _of_numerics(numerics: Numerics) -> Asked:
 
 
 def _of_bodies(scene: Scene) -> Asked:
-    bodies = tuple(zip(_ASPECT_RATIO, scene.deformable, strict=False))
     yield f"dimension {scene.dimension}", ("scene", "dimension"), True
     yield "plane stress", ("scene", "body", "state"), scene.body.state == "plane_stress"
     yield "smooth bodies", ("scene", "body"), not scene.follows_topography
     yield "elastic bodies", ("scene", "body"), not scene.creeps
     yield "timeless", ("scene", "body"), not scene.creeps and not scene.has_slip_rates
     yield "undivided steps", ("scene", "body"), not scene.creeps and scene.interface.wear is None
-    for name, body in bodies:
+    for name, body in scene.deformable.items():
         yield "relaxation", ("scene", name, "relaxation"), body.relaxation is not None
         yield "plasticity", ("scene", name, "plasticity"), body.plasticity is not None
     for place, surface in scene.surfaces.items():
@@ -135,7 +133,7 @@ def _give_way_alike(scene: Scene, grid: Grid) -> bool:
     """Whether the compliances of two bodies, to pressures alone, have one ratio for all waves."""
     if scene.interface.couples or any(axis in grid for axis in _ASPECT_RATIO.values()):
         return False
-    if all(body.is_half_space and body.layers is None for body in scene.deformable):
+    if all(body.is_half_space and body.layers is None for body in scene.deformable.values()):
         return True
     from gfmd_numba.elasticity.scales import scales_of  # numbers, which the tables do without
 
@@ -219,9 +217,9 @@ def _of_boundary(scene: Scene) -> Asked:
 
 
 def _half_spaces(scene: Scene, grid: Grid) -> Asked:
-    for (name, axis), body in zip(_ASPECT_RATIO.items(), scene.deformable, strict=False):
+    for name, body in scene.deformable.items():
         feature, key = ("half-space", "aspect_ratio") if body.layers is None else ("layers on a half-space", "base")
-        yield feature, ("scene", name, key), body.is_half_space and axis not in grid
+        yield feature, ("scene", name, key), body.is_half_space and _ASPECT_RATIO[name] not in grid
     for axis in _ASPECT_RATIO.values():
         for i, value in enumerate(grid.get(axis, ())):
             yield "half-space", ("grid", axis, i), isinf(value)
@@ -230,7 +228,7 @@ def _half_spaces(scene: Scene, grid: Grid) -> Asked:
 def _without_a_period(scene: Scene, grid: Grid) -> Asked:
     """What the table refuses or may refuse of a scene without a period."""
     yield "no period", ("scene", "periodic"), True
-    for name, body in zip(_ASPECT_RATIO, scene.deformable, strict=False):
+    for name, body in scene.deformable.items():
         yield from _body_without_a_period(name, body, scene, grid)
     for place, surface in scene.surfaces.items():
         is_treated = isinstance(surface, Measured) and surface.periodic != "none"
@@ -268,8 +266,7 @@ def _with_least_modulus(scene: Scene, location: Location, row: Refusal) -> Refus
     """The refusal of a layer that is too soft with the least modulus that is allowed there, all others as they are."""
     if row.refused != "soft below stiff":
         return row
-    body = scene.deformable[list(_ASPECT_RATIO).index(str(location[1]))]
-    least, given = _soft_below_stiff(body)[location[2:]]
+    least, given = _soft_below_stiff(scene.deformable[str(location[1])])[location[2:]]
     return replace(row, allowed=row.allowed.replace("at least", f"at least {in_unit_of(given, least, 'Pa')},"))
 
 
@@ -278,11 +275,8 @@ def _soft_below_stiff(body: Body) -> dict[Location, tuple[float, float]]:
 
     The least modulus that is allowed, and the one that is given.
     """
-    parts: dict[Location, Layer | MaterialRecord] = {("layers", i): each for i, each in enumerate(body.layers or ())}
-    if isinstance(body.base, MaterialRecord):
-        parts["base",] = body.base
     stiffest, found = 0.0, {}
-    for at, part in parts.items():
+    for at, part in body.materials.items():
         if part.youngs_modulus < SOFTEST * stiffest:
             found[*at, "youngs_modulus"] = SOFTEST * stiffest, part.youngs_modulus
         stiffest = max(stiffest, part.youngs_modulus)
@@ -292,7 +286,7 @@ def _soft_below_stiff(body: Body) -> dict[Location, tuple[float, float]]:
 def _incompressible(scene: Scene, grid: Grid) -> Iterator[Location]:
     """Where the file says that no body changes its volume."""
     found: list[list[Location]] = []  # of each body
-    for name, body in zip(_POISSONS_RATIO, scene.deformable, strict=False):
+    for name, body in scene.deformable.items():
         axis = _POISSONS_RATIO[name]
         if axis in grid:
             copies = (body.model_copy(update={"poissons_ratio": value}) for value in grid[axis])

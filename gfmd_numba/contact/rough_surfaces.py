@@ -21,7 +21,6 @@ from gfmd_numba.roughness.surfaces import (
 )
 from gfmd_numba.scene import Document, Scene, SceneFile
 
-BODIES = ("body", "counter_body")
 STEEPEST = 0.030  # rms gradient that the thesis allows order 0 (5.3.4)
 _ROUNDING = 1e-12  # of the largest height, below which a sum of heights is rounding
 
@@ -73,7 +72,7 @@ def rough_bodies(scene: Scene, scales: Scales, order: int) -> RoughBodies | None
             places.index((name, "roughness")) if (name, "roughness") in places else None,
             1 if name == "body" else -1,
         )
-        for name, body, fraction in zip(BODIES, scales.bodies, scales.compliance_fractions, strict=False)
+        for name, body, fraction in zip(scene.deformable, scales.bodies, scales.compliance_fractions, strict=True)
     )
     return RoughBodies(bodies, order)
 
@@ -91,7 +90,7 @@ def check_drawn(scene: Scene, surfaces: FacingSurfaces, realisation: int, docume
         with usable(document, ("scene", *place)):
             drawn.append(part.drawn(realisation))
     bodies = []
-    for name, each in zip(BODIES, rough.bodies, strict=False):
+    for name, each in zip(scene.deformable, rough.bodies, strict=True):
         try:
             bodies.append(rough_body(each, drawn, rough.order))
         except ValueError:

@@ -100,7 +100,7 @@ class Stack:
         found = np.empty((3, len(q)))
         for first in range(0, len(q), _CHUNK):
             some = slice(first, first + _CHUNK)
-            surface = self._compliances(q[some])[0]
+            surface = self._surface_compliance(q[some])
             # U_3 sin(qx) has the coefficient -i U_3, which turns the sign
             found[:, some] = surface[0, 0], -surface[0, 1], surface[1, 1]
         return found[0], found[1], found[2]
@@ -170,18 +170,18 @@ class Stack:
             found.append((below + decay / material.shear) / (1.0 + material.shear * decay * below))
         return found[::-1]
 
-    def _compliances(self, q: Reals) -> list[Reals]:
-        """Compliance times q `[2, 2, wave]` of all from each layer's top downwards, the base's last, in 1/E*."""
-        found = [self._compliance_of_base(q)]
+    def _surface_compliance(self, q: Reals) -> Reals:
+        """Compliance times q `[2, 2, wave]` of the surface, in 1/E*."""
+        below = self._compliance_of_base(q)
         tops = [0.0, *accumulate(self.heights)]
         for top, height, material in reversed(list(zip(tops, self.heights, self.materials, strict=False))):
             scale, nu = 2.0 * material.shear, material.poissons_ratio
             # of waves that fade above it
             compliance = np.broadcast_to(half_space_compliance(nu), (2, 2, len(q))).copy()
             felt = q * max(top, height) < _FADED  # what is below at the layer's top, and that at the surface
-            compliance[..., felt] = ElasticLayer(q[felt] * height, nu, scale * found[-1][..., felt]).compliance()
-            found.append(compliance / scale)
-        return found[::-1]
+            compliance[..., felt] = ElasticLayer(q[felt] * height, nu, scale * below[..., felt]).compliance()
+            below = compliance / scale
+        return below
 
 
 def across_transfer(depth: float, q: Reals, height: float, below: Reals | float) -> tuple[Reals, Reals]:

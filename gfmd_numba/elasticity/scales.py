@@ -62,7 +62,7 @@ class Scales:
 
 def scales_of(scene: Scene) -> Scales:
     """Return the scales of a scene."""
-    return _scales(scene.deformable, scene.length, scene.has_moduli)
+    return _scales(tuple(scene.deformable.values()), scene.length, scene.has_moduli)
 
 
 @lru_cache(maxsize=4096)

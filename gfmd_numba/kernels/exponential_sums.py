@@ -398,14 +398,14 @@ class DecayLevel(NamedTuple):
 
 
 @jit
-def decay_contact(p: Reals, sp: Reals, wall: Reals, asked: Task, grid: DecayLevel) -> tuple[float, int]:
+def decay_contact(p: Reals, sp: Reals, wall: Reals, asked: Task, grid: DecayLevel) -> float:
     """Find the contact and its pressure p that leave no overlap and no tension under a sum of decays.
 
     The sum only acts on what p changes by: the gap it starts from is that of the displacement sp. Conjugate gradients,
     preconditioned by a coarser sum, solve for the pressure on one contact after the other. First nodes under tension
     leave until there are none, then overlapping ones join. The contact has settled once no node joins, or after a few
     rounds at the last tolerance. Returns the largest change of the pressure over the largest pressure, infinite if the
-    contact did not settle, and the number of nodes in contact.
+    contact did not settle.
 
     The records may be plain tuples, which a compiled function takes in a third of the time.
     """
@@ -414,7 +414,7 @@ def decay_contact(p: Reals, sp: Reals, wall: Reals, asked: Task, grid: DecayLeve
     task = Task(*asked)
     count, free = _gather(p, sp, wall, task, level)
     if count == 0:
-        return 0.0, 0
+        return 0.0
     tolerance, final, rounds, touching, settled = _LOOSE, -1.0, 0, 0, False
     for _ in range(_STEPS):
         touching = _list_contact(level.lists, level.values, count)
@@ -447,7 +447,7 @@ def decay_contact(p: Reals, sp: Reals, wall: Reals, asked: Task, grid: DecayLeve
         if joining > 0:
             tolerance = max(_TIGHTEN * tolerance, final)
     change = _put(p, count, level.lists.nodes, level.values)
-    return (change if settled else np.inf), touching
+    return change if settled else np.inf
 
 
 @jit

@@ -82,11 +82,6 @@ def surfaces(power: Reals, nx: int, largest_index: int, seed: int, realisations:
     return heights
 
 
-def periodic_autocorrelation(power: Reals, nx: int) -> Reals:
-    """Autocorrelation `[nx]` or `[nx, nx]` of a periodic surface with this mean power, per w^2."""
-    return grid.signal(power, *(nx,) * len(power.shape))
-
-
 @dataclass(frozen=True)
 class ModelWaves:
     """Waves of a model up to a largest index, drawn from its spectrum (thesis 3.5.2.1) or autocorrelation (3.5.2)."""

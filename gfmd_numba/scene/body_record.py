@@ -151,8 +151,7 @@ class Body(BaseModel):
         """Whether nothing in it changes its volume."""
         if self.state == "plane_stress":
             return False
-        parts = [self] if self.layers is None else [*self.layers, self.base]
-        return all(part.poissons_ratio == 0.5 for part in parts if isinstance(part, Body | MaterialRecord))
+        return all(part.poissons_ratio == 0.5 for part in self.materials.values() or (self,))
 
     @model_validator(mode="after")
     def _one_material_or_layers(self) -> Self:
@@ -172,6 +171,15 @@ class Body(BaseModel):
             raise broken_rule(("base",), "'rigid' or a mapping of 'youngs_modulus', 'poissons_ratio' under layers")
         return self
 
+    @property
+    def materials(self) -> dict[tuple[str | int, ...], MaterialRecord]:
+        """The layers from above, and a base that is no rigid one, by their places in the body."""
+        layers = self.layers or ()
+        found: dict[tuple[str | int, ...], MaterialRecord] = {("layers", i): each for i, each in enumerate(layers)}
+        if isinstance(self.base, MaterialRecord):
+            found["base",] = self.base
+        return found
+
     def check_layers(self, place: tuple[str, ...], length: float | None) -> None:
         """Raise a located PydanticCustomError for layers too thin or thick for the period, or of too unequal moduli."""
         if self.layers is None:
@@ -182,12 +190,9 @@ class Body(BaseModel):
             if not least <= layer.height <= most:
                 lowest, highest = (in_unit_of(layer.height, each, unit) for each in (least, most))
                 raise broken_rule((*place, "layers", i, "height"), f"a height from {lowest} to {highest}")
-        parts: dict[tuple[str | int, ...], MaterialRecord] = {("layers", i): each for i, each in enumerate(self.layers)}
-        if isinstance(self.base, MaterialRecord):
-            parts["base",] = self.base
         first = self.layers[0].youngs_modulus
         softest, stiffest = first / LARGEST_CONTRAST, first * LARGEST_CONTRAST
-        for where, part in parts.items():
+        for where, part in self.materials.items():
             if not softest <= part.youngs_modulus <= stiffest:
                 ends = " to ".join(in_unit_of(part.youngs_modulus, each) for each in (softest, stiffest))
                 allowed = f"a modulus from {ends}, within {LARGEST_CONTRAST:g} times that of the top layer"

@@ -69,7 +69,7 @@ def arrays_of_path(dimension: int, laws: Iterable[str], steps: int) -> int:
 
 def arrays_of_memory(scene: Scene) -> int:
     """Return how many more arrays the past of a scene takes: of a body that creeps or flows, of a punch that wears."""
-    branches, plasticity = sum(len(body.relaxation or ()) for body in scene.deformable), scene.body.plasticity
+    branches, plasticity = sum(len(body.relaxation or ()) for body in scene.deformable.values()), scene.body.plasticity
     flow = 0 if plasticity is None else _ARRAYS_OF_A_SUBLAYER[scene.dimension] * plasticity.sublayers
     return flow + _ARRAYS_OF_A_BRANCH * branches + (_ARRAYS_OF_WEAR if scene.interface.wear is not None else 0)
 
@@ -88,9 +88,9 @@ def check_discretisation(
     document: Document,
     discretisation: Discretisation,
     locations: Mapping[str, Location],
-    varied: Collection[str] = (),
-    dimension: int = 1,
-    arrays: int = 0,
+    varied: Collection[str],
+    dimension: int,
+    arrays: int,
 ) -> None:
     """Raise InputError, at one of the varied values if any, unless waves are whole and arrays of the grid fit."""
     eps = discretisation.model_dump()

@@ -58,9 +58,7 @@ class LawOfTheGap(LawRecord):
     ability: ClassVar = "normal law"
     normal: ClassVar = True
     across_open_gap: ClassVar = True
-    work_of_adhesion: SignedWorkOfAdhesion = Field(
-        description="Energy per area in J/m^2 (E* L_x without moduli and length)"
-    )
+    work_of_adhesion: SignedWorkOfAdhesion
     range: Length = Field(description="Interaction range, in m if the scene has a length, else in L_x")
     pattern: FileOfNodes | None = Field(
         None, description="File with the share of the work of adhesion that acts at each node; None: all of it"
@@ -123,7 +121,7 @@ class Attraction(LawOfTheGap):
 
     needs_touching_nodes: ClassVar = True
     keeps_apart: ClassVar = False
-    work_of_adhesion: WorkOfAdhesion = Field(description="Energy per area in J/m^2 (E* L_x without moduli and length)")
+    work_of_adhesion: WorkOfAdhesion
 
 
 class SquaredExponential(Attraction):
@@ -155,7 +153,7 @@ class LennardJones(LawOfTheGap):
     known_from: ClassVar = 0.5
     implementation: ClassVar = "gfmd_numba.interface.power_laws:LennardJonesLaw"
     keeps_apart: ClassVar = True
-    work_of_adhesion: WorkOfAdhesion = Field(description="Energy per area in J/m^2 (E* L_x without moduli and length)")
+    work_of_adhesion: WorkOfAdhesion
     range: Length = Field(description="Gap at which nothing acts, in m if the scene has a length, else in L_x")
 
 
@@ -169,7 +167,7 @@ class Cohesive(LawRecord):
     tangential: ClassVar = True
     across_open_gap: ClassVar = True
     keeps_apart: ClassVar = True
-    work_of_adhesion: WorkOfAdhesion = Field(description="Energy per area in J/m^2 (E* L_x without moduli and length)")
+    work_of_adhesion: WorkOfAdhesion
     normal_length: Length = Field(
         description="Gap of the largest attraction, in m if the scene has a length, else in L_x"
     )

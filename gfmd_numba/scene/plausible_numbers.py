@@ -118,7 +118,9 @@ def _scales(file: Scene | SurfaceFile) -> Compared:
     if isinstance(file, SurfaceFile):
         return Compared(file.length, None, 1.0)
     # as `Scales` has it but for plane stress: checking a file loads no numpy
-    softness = sum((1.0 - body.surface_poissons_ratio**2) / (body.surface_modulus or 1.0) for body in file.deformable)
+    softness = sum(
+        (1.0 - body.surface_poissons_ratio**2) / (body.surface_modulus or 1.0) for body in file.deformable.values()
+    )
     return Compared(file.length, file.body.surface_modulus if file.has_moduli else None, 1.0 / softness)
 
 

@@ -38,8 +38,9 @@ Length = Annotated[Size, LENGTH, Field(description="Length in m, or in L_x witho
 SignedLength = Annotated[Signed, LENGTH]
 Pressure = Annotated[Size, PRESSURE]
 NonnegativePressure = Annotated[float, Field(ge=0, le=LARGEST), PRESSURE]
-WorkOfAdhesion = Annotated[Size, ENERGY_PER_AREA]
-SignedWorkOfAdhesion = Annotated[Signed, ENERGY_PER_AREA]
+_WORK = Field(description="Energy per area in J/m^2 (E* L_x without moduli and length)")
+WorkOfAdhesion = Annotated[Size, ENERGY_PER_AREA, _WORK]
+SignedWorkOfAdhesion = Annotated[Signed, ENERGY_PER_AREA, _WORK]
 LineLoad = Annotated[Size, FORCE_PER_LENGTH]
 Force = Annotated[Size, FORCE]
 Duration = Annotated[Size, TIME]

@@ -158,14 +158,14 @@ class Scene(BaseModel):
         return ends_of(self.periodic, self.dimension)
 
     @property
-    def deformable(self) -> tuple[Body, ...]:
-        """The elastic bodies."""
-        return (self.body,) if self.counter_body is None else (self.body, self.counter_body)
+    def deformable(self) -> dict[str, Body]:
+        """The elastic bodies by their names."""
+        return {"body": self.body} | ({} if self.counter_body is None else {"counter_body": self.counter_body})
 
     @property
     def creeps(self) -> bool:
         """Whether a body is viscoelastic."""
-        return any(body.relaxation is not None for body in self.deformable)
+        return any(body.relaxation is not None for body in self.deformable.values())
 
     @property
     def passes(self) -> bool:
@@ -194,14 +194,13 @@ class Scene(BaseModel):
     @property
     def thinnest_layer(self) -> float:
         """Height of the thinnest layer of the elastic bodies over the period, inf for half-spaces."""
-        return min(body.thinnest_layer(self.length) for body in self.deformable)
+        return min(body.thinnest_layer(self.length) for body in self.deformable.values())
 
     @property
     def surfaces(self) -> dict[tuple[str, ...], Surface]:
         """The rough surfaces of punch and bodies, by their places in the scene."""
-        places = {("roughness",): self.roughness, ("body", "roughness"): self.body.roughness}
-        if self.counter_body is not None:
-            places["counter_body", "roughness"] = self.counter_body.roughness
+        places: dict[tuple[str, ...], Surface | None] = {("roughness",): self.roughness}
+        places |= {(name, "roughness"): body.roughness for name, body in self.deformable.items()}
         return {place: surface for place, surface in places.items() if surface is not None}
 
     @property
@@ -227,7 +226,7 @@ class Scene(BaseModel):
             return in_reduced_units(surface, self.periods * length, 1.0) if isinstance(surface, Random) else surface
 
         update: dict[str, object] = {"roughness": reduced(self.roughness)}
-        for name, body in zip(("body", "counter_body"), self.deformable, strict=False):
+        for name, body in self.deformable.items():
             update[name] = body.model_copy(update={"roughness": reduced(body.roughness)})
         if self.form is not None:
             update["form"] = in_reduced_units(self.form, length, 1.0)
@@ -291,7 +290,7 @@ class Scene(BaseModel):
                 raise broken_rule(
                     ("roughness",), "no punch next to a counter_body: move this roughness into body or counter_body"
                 )
-            for name, body in (("body", self.body), ("counter_body", counter)):
+            for name, body in self.deformable.items():
                 if body.surface_modulus is None:
                     allowed = "a number above 0 for both bodies, as they share the load"
                     raise broken_rule((name, "youngs_modulus"), allowed)
@@ -303,7 +302,7 @@ class Scene(BaseModel):
 
     def check_period(self) -> None:
         """Raise a located PydanticCustomError for layers that do not fit the period, and units that need one."""
-        for name, body in zip(("body", "counter_body"), self.deformable, strict=False):
+        for name, body in self.deformable.items():
             body.check_layers((name,), self.length)
         if self.has_punch:
             check_loading(self.loading, self.length, self.has_moduli, bool(self.surfaces))
@@ -410,7 +409,7 @@ class Numerics(BaseModel):
         """Order in the slope to which the topographies of a scene are followed: 2, or 0, unless one is asked for."""
         if self.topography_order is not None:
             return self.topography_order
-        layered = any(body.layers is not None for body in scene.deformable) or scene.form is not None
+        layered = any(body.layers is not None for body in scene.deformable.values()) or scene.form is not None
         further = scene.interface.couples or scene.interface.hardness is not None
         further |= scene.has_punch and scene.boundary is not None
         return 0 if layered or further or scene.creeps or any(scene.ends) else _SLOPE_ORDER[scene.dimension]

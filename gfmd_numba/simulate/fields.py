@@ -340,9 +340,8 @@ def described(contact: xr.Dataset, body: str) -> tuple[Scene, int]:
     if scene.body.plasticity is not None:
         allowed = "elastic bodies: a contact of a body that flows has von_mises_stress and stress_x of its own"
         raise InputError.of("contact", "one of a body that flows inside", allowed)
-    names = ["body", "counter_body"][: len(scene.deformable)]
-    if not isinstance(body, str) or body not in names:
-        raise InputError.of("body", brief(body), " or ".join(map(repr, names)))
+    if not isinstance(body, str) or body not in scene.deformable:
+        raise InputError.of("body", brief(body), " or ".join(map(repr, scene.deformable)))
     nodes = nodes_of(scene)
     if not _is_whole(contact, nodes) or not found >= _needed(scene, order):
         raise InputError(_ALTERED)

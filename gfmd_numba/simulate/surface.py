@@ -8,7 +8,8 @@ from scipy import stats
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.contact_dataset import CONVENTIONS, cf_attributes
-from gfmd_numba.roughness import model_surfaces, statistics
+from gfmd_numba.fourier import grid
+from gfmd_numba.roughness import statistics
 from gfmd_numba.roughness.generators import gradient_over_height, random_surface
 from gfmd_numba.roughness.measured import MeasuredSurface, measured_surface, usable
 from gfmd_numba.scene import Document
@@ -127,7 +128,7 @@ def _add_spectrum(dataset: xr.Dataset, made: Made) -> None:
     dataset["spectral_density"] = ("wavenumber", density, attributes)
     dataset["waves"] = ("wavenumber", waves, cf_attributes("independent waves in the bin"))
     if made.power is not None:
-        even = model_surfaces.periodic_autocorrelation(np.sqrt(made.power), made.heights.shape[-1])
+        even = grid.signal(np.sqrt(made.power), *made.heights.shape)  # a surface of exactly the mean power
         theory = statistics.spectral_density(even, made.lengths)[1]
         dataset["spectral_density_theory"] = ("wavenumber", theory, attributes)
 
@@ -141,7 +142,7 @@ def _add_correlation(dataset: xr.Dataset, made: Made) -> None:
     dataset["autocorrelation"] = ("distance", found, attributes)
     dataset["height_height_correlation"] = ("distance", 2.0 * variance * (1.0 - found), squares)
     if made.power is not None:
-        periodic = model_surfaces.periodic_autocorrelation(made.power, made.heights.shape[-1])
+        periodic = grid.signal(made.power, *made.heights.shape)
         total = periodic.flat[0]
         _, theory = statistics.radial_mean(periodic / total, made.lengths)
         dataset["autocorrelation_theory"] = ("distance", theory, attributes)

@@ -274,7 +274,7 @@ def _above(pressure: float, result: Equilibrium, rows: Indices) -> Flags:
 
 
 def _iterate(
-    solver: Iteration, rows: Indices, borne: float, options: Options, result: Equilibrium, hardness: float = np.inf
+    solver: Iteration, rows: Indices, borne: float, options: Options, result: Equilibrium, hardness: float
 ) -> None:
     """Advance all rows until each is certified, stagnates, gives up or will surely yield; store each as it ends."""
     limit = min(options.max_iterations, SOLVERS[options.solver].gives_up_after or options.max_iterations)

@@ -101,11 +101,10 @@ class Stagnation:
 
     The residual of a row has stopped falling if its least value was reached in the first third of the run, has not
     fallen by a tenth since, and the residual has stayed near it. A run that converges as slowly as t^-0.1 still falls
-    by more. Above the residual `small` a run has not yet begun to converge.
+    by more.
     """
 
-    def __init__(self, rows: int, small: float = _SMALL) -> None:
-        self._small = small
+    def __init__(self, rows: int) -> None:
         self._least, self._reached, self._looks = np.full(rows, np.inf), np.zeros(rows, dtype=np.int64), 0
 
     def look(self, residual: Reals, active: Indices) -> Flags:
@@ -117,4 +116,4 @@ class Stagnation:
         self._least[active[moved]], self._reached[active[moved]] = residual[moved], self._looks
         reached = self._reached[active]
         stays = self._looks - reached >= np.maximum(_LOOKS, _SHARE * reached)
-        return np.asarray(stays & (self._least[active] <= self._small))
+        return np.asarray(stays & (self._least[active] <= _SMALL))

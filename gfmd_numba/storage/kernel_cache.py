@@ -10,7 +10,7 @@ from pathlib import Path
 
 from gfmd_numba.storage import cache as user_cache
 from gfmd_numba.storage import mark
-from gfmd_numba.storage.atomic_file import replace
+from gfmd_numba.storage.atomic_file import opened, replace
 from gfmd_numba.text.input_error import InputError
 
 _SOURCES = Path(__file__).parent.parent / "kernels"
@@ -44,13 +44,12 @@ def save(name: str, code: bytes) -> None:
 def load(name: str) -> bytes | None:
     """Return the code kept under a name; None if there is none, it is damaged, or somebody else may have written it."""
     path = folder()
-    if path is None:
-        return None
     try:
-        without_links = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
-        with open(os.open(path / name, without_links), "rb") as file:
-            trusted = user_cache.is_private(os.fstat(file.fileno()))
-            content = file.read() if trusted else b""
+        file = None if path is None else opened(path / name)
+        if file is None:
+            return None
+        with file:
+            content = file.read() if user_cache.is_private(os.fstat(file.fileno())) else b""
     except OSError:
         return None
     code = content[_HEAD:]

@@ -36,6 +36,10 @@ def press(height, load):
     return found
 
 
+def elastic_length(pressure, touching):
+    return contact_length(pressure, touching, HALF_SPACE, elastic=touching, filled=touching, ends=False)
+
+
 def wave(x):
     return 0.01 * np.cos(2 * np.pi * x)
 
@@ -58,7 +62,7 @@ def test_contact_length_is_right_to_a_small_part_of_a_spacing(height, half_width
     errors, counted = [], []
     for load in np.linspace(0.002, 0.006, 9):
         found = press(height(x), load)
-        length, unknown = contact_length(found.pressure, found.touching, HALF_SPACE)
+        length, unknown = elastic_length(found.pressure, found.touching)
         errors.append((length[0] - 2 * half_width(load)) * nx)
         counted.append(found.touching.sum() - 2 * half_width(load) * nx)
         assert unknown == 0.0
@@ -72,7 +76,7 @@ def test_two_contacts_of_a_two_scale_wave_add_up():
     for nx in (512, 4096):
         x = np.arange(nx) / nx - 0.5
         found = press(0.01 * np.cos(2 * np.pi * x) + 0.002 * np.cos(6 * np.pi * x + 1.0), 0.004)
-        lengths[nx] = contact_length(found.pressure, found.touching, HALF_SPACE)[0][0], found.touching.mean()
+        lengths[nx] = elastic_length(found.pressure, found.touching)[0][0], found.touching.mean()
     assert lengths[512][0] == pytest.approx(lengths[4096][0], abs=0.05 / 512)
     assert abs(lengths[512][1] - lengths[4096][0]) > 0.1 / 512
 
@@ -81,7 +85,7 @@ def test_short_stretches_have_a_length_and_an_error():
     touching = np.zeros((2, 32), dtype=bool)
     touching[0, 3:5] = touching[0, 9] = True
     touching[1, :] = True
-    length, error = contact_length(touching.astype(float), touching, HALF_SPACE)
+    length, error = elastic_length(touching.astype(float), touching)
     assert length[0] * 32 == pytest.approx(3 - 4 * 0.19001, abs=1e-4)
     assert error[0] * 32 == pytest.approx(np.sqrt(4 / 12))
     assert length[1] == 1.0

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from self_affine_spectrum import SelfAffineSpectrum
 
+from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import model_surfaces
 from gfmd_numba.roughness.amplitudes import complex_gaussian, waves
 from gfmd_numba.roughness.spectra import (
@@ -52,9 +53,9 @@ def test_ensemble_has_the_spectrum_and_autocorrelation_of_theory(power_of, model
     assert abs(score).max() < 5.5
     assert score.std() == pytest.approx(1.0, abs=0.25)
     assert abs(measured[:, ~inside]).max() < 1e-12 * power.max()
-    found = np.array([model_surfaces.periodic_autocorrelation(m, nx) for m in measured])
+    found = np.array([grid.signal(m, *(nx,) * m.ndim) for m in measured])
     error = found.std(axis=0, ddof=1) / np.sqrt(n)
-    score = (found.mean(axis=0) - model_surfaces.periodic_autocorrelation(power, nx)) / error
+    score = (found.mean(axis=0) - grid.signal(power, *(nx,) * power.ndim)) / error
     assert abs(score).max() < 4.5
     np.testing.assert_allclose(heights.mean(axis=axes), 0.0, atol=1e-14)
 
@@ -64,7 +65,7 @@ def test_filtered_surfaces_have_the_autocorrelation_asked_for(model):
     """At every grid point, up to the mean that is left out; the density method differs by what lies beyond Nyquist."""
     largest = 40
     nx = 2 * largest + 1
-    exact = model_surfaces.periodic_autocorrelation(model_surfaces.filter_power(model, nx, largest, PERIOD), nx)
+    exact = grid.signal(model_surfaces.filter_power(model, nx, largest, PERIOD), *(nx,) * model.dimension)
     shift = np.fft.fftfreq(nx) * PERIOD
     if isinstance(model, LengthAnisotropicSpectrum | ScalingAnisotropicSpectrum):
         asked = model.autocorrelation(shift[np.newaxis], shift[:, np.newaxis])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from self_affine_spectrum import SelfAffineSpectrum
 
-from gfmd_numba.fourier.grid import resample
+from gfmd_numba.fourier.grid import resample, signal
 from gfmd_numba.roughness import model_surfaces, statistics
 from gfmd_numba.roughness.recursive import Recursion, power_of_points
 from support.cases import some_of
@@ -94,7 +94,7 @@ def test_the_artefact_of_successive_addition_has_its_known_size(hurst, correlati
     asked = model_surfaces.psd_power(SelfAffineSpectrum(1, hurst, 1 / 1024, 1 / 4, 1.0), 2048, 1023)
     found = own_power(recursion)
     found[0] = 0.0
-    curves = [model_surfaces.periodic_autocorrelation(power, 2048) for power in (found, asked)]
+    curves = [signal(power, 2048) for power in (found, asked)]
     difference = curves[0] / curves[0][0] - curves[1] / curves[1][0]
     assert np.sqrt((difference[:1024] ** 2).mean()) == pytest.approx(correlation, abs=2e-3)
     asked /= 2.0 * asked.sum()  # found has the rms height 1 already

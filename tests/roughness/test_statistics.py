@@ -87,7 +87,7 @@ def test_a_self_affine_surface_shows_its_spectrum_and_hurst_exponent(dimension):
     heights = 0.01 * model_surfaces.surfaces(power, nx, largest, 4, range(6))
     lengths = (length,) * dimension
     q, density, waves = statistics.spectral_density(heights, lengths)
-    even = model_surfaces.periodic_autocorrelation(np.sqrt(power), nx)  # a surface of exactly the mean power
+    even = grid.signal(np.sqrt(power), *(nx,) * dimension)  # a surface of exactly the mean power
     _, expected, _ = statistics.spectral_density(0.01 * even, lengths)
     inside = (q > 1.2 * 2 * np.pi / (length / 4)) & (q < 0.85 * 2 * np.pi / model.cut_on)
     np.testing.assert_allclose(expected[inside], 1e-4 * model.psd(q[inside]), rtol=0.06)  # a bin averages a curve

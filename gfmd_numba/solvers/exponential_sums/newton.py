@@ -393,5 +393,4 @@ class _Level:
     ) -> float:
         """Find the contact and pressure of the sum of decays; the relative change of the pressure."""
         task = kernels.Task(self.n, load, rounding, free_mean, target, self.model.error, wider)
-        change, _ = kernels.decay_contact(pressure, self.displacement, wall, tuple(task), self._level)
-        return float(change)
+        return float(kernels.decay_contact(pressure, self.displacement, wall, tuple(task), self._level))

@@ -161,11 +161,13 @@ def contact_area_fraction(contact: Contact) -> Reals:
 def contact_area_fraction_error(contact: Contact) -> Reals:
     """Standard deviation of the corrected contact length over L_x: edges lie anywhere within a spacing.
 
-    On thin bodies also their mean position is uncertain, where stretches are short.
+    Mirror images of an edge lie at the same place within theirs. On thin bodies also their mean position is uncertain,
+    where stretches are short.
     """
     (ends,), nodes = perimeter(contact), touching(contact).sum(axis=1)
     of_mean = edge(contact).short * ends * n_segments(contact) / np.maximum(nodes, 1)
-    return np.asarray(np.sqrt((ends + _above_flow(contact)) / 12.0 + of_mean**2) / contact.heights.shape[1])
+    unknown = contact.fields_in_period * (ends + _above_flow(contact))
+    return np.asarray(np.sqrt(unknown / 12.0 + of_mean**2) / contact.heights.shape[1])
 
 
 @once
@@ -178,7 +180,8 @@ def located_length(contact: Contact) -> tuple[Reals, Reals]:
     length, unknown = area_correction.contact_length(
         found.pressure, found.touching, edge(contact), elastic_nodes(contact), filled(contact), ends
     )
-    return length, np.hypot(unknown, np.sqrt(_above_flow(contact) / 12.0) / found.touching.shape[1])
+    above_flow = np.sqrt(_above_flow(contact) / 12.0) / found.touching.shape[1]
+    return length, np.sqrt(contact.fields_in_period) * np.hypot(unknown, above_flow)
 
 
 @of_profiles

@@ -147,6 +147,28 @@ def test_what_all_edges_are_off_by_adds_up_and_what_each_is_off_by_does_in_squar
     assert thrice**2 - 3.0 * each == pytest.approx(9.0 * (once**2 - each))
 
 
+def test_the_area_of_a_mirrored_profile_is_as_uncertain_as_that_of_its_field():
+    """The mirror images of an edge lie at the same place between two nodes, and do not average out."""
+    x = np.arange(256) / 256
+    heights = sum(np.cos(np.pi * k * x + k * k) / k**1.5 for k in range(1, 40))  # in um
+
+    def relative_error(**keys):
+        roughness = {"method": "measured", "heights": heights, "units": {"z": "um"}, "spacing": "1 um", **keys}
+        body = {"youngs_modulus": "100 GPa", "poissons_ratio": 0.3}
+        scene = {"body": body, "roughness": roughness, "interface": {"hard_wall": {}}, "loading": {"pressure": "30 MPa"}}
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            found = gfmd_numba.solve({"scene": scene})
+        return float(found["contact_area_fraction_error"] * found["x"].size), int(found["n_segments"])
+
+    of_period, contacts = relative_error(periodic="mirror")
+    assert contacts >= 2
+    edges = 2 * contacts
+    assert of_period == pytest.approx(2.0 * np.sqrt(edges / 2 / 12.0))
+    of_field, contacts = relative_error()
+    assert of_field == pytest.approx(np.sqrt(2 * contacts / 12.0))
+
+
 def solved(nx, aspect_ratio, reduced_pressure):
     x = np.arange(nx) / nx
     heights = 1e-4 * np.cos(80 * np.pi * x) + 3e-5 * np.cos(14 * np.pi * x)

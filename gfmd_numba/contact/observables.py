@@ -81,7 +81,7 @@ OBSERVABLES = {
     ),
     "contact_area_fraction_counted": Observable("1", "touching nodes over all nodes", held="load"),
     "contact_area_fraction_error": _error(
-        "standard deviation of contact_area_fraction by edges between the nodes of profiles"
+        "standard deviation of contact_area_fraction by edges between the nodes"
     ),
     "plastic_area_fraction": Observable("1", "nodes at the hardness over all nodes", needs="hardness", held="gradient"),
     "mean_plastic_depth": Observable(

@@ -233,7 +233,7 @@ def _narrow(given: ContactInput, found: Found) -> Iterator[Told]:
         return
     widths = _mean_width(found, found["gap"].shape[_nodes(given)[0] :])
     areas, errors = found["contact_area_fraction"], found["contact_area_fraction_error"]
-    known = np.isfinite(areas) & (areas > 0.0) & np.isfinite(errors)  # of maps unknown
+    known = np.isfinite(areas) & (areas > 0.0) & np.isfinite(errors)
     uncertain = np.divide(errors, areas, out=np.zeros(areas.shape), where=known)
     off = np.maximum(uncertain, np.where(widths < NARROW, LARGEST_OFF, 0.0))
     finer = f"points: {2 * found['x'].size} or more"

@@ -143,7 +143,7 @@ def perimeter(contact: Contact) -> tuple[Indices, ...]:
 
 
 def _above_flow(contact: Contact) -> Indices | int:
-    """Number of edges, on maps of their sides, below which the body has flowed: anywhere within a spacing `[realisation]`."""
+    """Number of sides of edges below which the body has flowed: anywhere within a spacing `[realisation]`."""
     if "flow" not in contact.memory:
         return 0
     sides = _open_sides(contact, touching(contact) & ~elastic_nodes(contact))

@@ -182,12 +182,18 @@ def _check_direction(header: list[str], columns: int, heights: int) -> None:
     for line in header[-2:]:  # labels, and perhaps their units below
         labels = _cells(_STATED.sub("", line))
         label = labels[heights] if len(labels) == columns else labels[0] if len(labels) == 1 else ""
-        words = re.findall(r"[^\W_]+", _unaccented(label))
-        if words and not re.search(r"[\d:=]", label) and _KINDS["depth"].fullmatch(words[-1]):
-            raise ValueError(
-                f"heights called {label!r}, which may grow downwards, where peaks have to be positive: change their "
-                "sign if they do, and write z in place of that name"
-            )
+        if not re.search(r"[\d:=]", label):
+            check_upwards(label)
+
+
+def check_upwards(label: str) -> None:
+    """Raise ValueError for heights that a label calls depths."""
+    words = re.findall(r"[^\W_]+", _unaccented(label))
+    if words and _KINDS["depth"].fullmatch(words[-1]):
+        raise ValueError(
+            f"heights called {label!r}, which may grow downwards, where peaks have to be positive: change their sign "
+            "if they do, and write z in place of that name"
+        )
 
 
 def _stated_units(header: list[str], columns: int) -> tuple[str | None, ...]:
@@ -231,8 +237,8 @@ def _labelled(header: list[str], columns: int) -> tuple[list[int], tuple[str | N
             row for row in map(_cells, header[number + 1 :]) if len(row) == columns and row[0][-1:] not in {":", "="}
         ]
         if chosen is None and columns > 2:
-            told = [[*(unit for _, unit in of[i]), *(row[i].strip("[]() ") for row in below)] for i in range(columns)]
-            lengths = [i for i, each in enumerate(told) if any(map(length_unit, each))]
+            said = [[*(unit for _, unit in of[i]), *(row[i].strip("[]() ") for row in below)] for i in range(columns)]
+            lengths = [i for i, each in enumerate(said) if any(map(length_unit, each))]
             named = {i for i, label in enumerate(labels) if _axis(label) is not None}
             chosen = lengths if len(lengths) == 2 and named <= {*lengths} else None
         if chosen is None:

@@ -155,7 +155,12 @@ def test_the_area_of_a_mirrored_profile_is_as_uncertain_as_that_of_its_field():
     def relative_error(**keys):
         roughness = {"method": "measured", "heights": heights, "units": {"z": "um"}, "spacing": "1 um", **keys}
         body = {"youngs_modulus": "100 GPa", "poissons_ratio": 0.3}
-        scene = {"body": body, "roughness": roughness, "interface": {"hard_wall": {}}, "loading": {"pressure": "30 MPa"}}
+        scene = {
+            "body": body,
+            "roughness": roughness,
+            "interface": {"hard_wall": {}},
+            "loading": {"pressure": "30 MPa"},
+        }
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             found = gfmd_numba.solve({"scene": scene})

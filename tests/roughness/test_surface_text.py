@@ -548,7 +548,9 @@ def test_depths_are_not_taken_for_heights(header, columns):
         columns_of(header.split("\n"), columns)
 
 
-@pytest.mark.parametrize("header", ["depth,x,height\num,mm,um", "Etch depth: 5 um\nx [mm],z [um]", "x [mm],depth z [um]"])
+@pytest.mark.parametrize(
+    "header", ["depth,x,height\num,mm,um", "Etch depth: 5 um\nx [mm],z [um]", "x [mm],depth z [um]"]
+)
 def test_depths_that_are_no_heights_are_left_alone(header):
     lines = header.split("\n")
     chosen, units = columns_of(lines, lines[-1].count(",") + 1)

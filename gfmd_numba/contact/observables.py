@@ -80,9 +80,7 @@ OBSERVABLES = {
         "1", "contact length over L_x, or area over L_x^2, corrected for its edges", held="load"
     ),
     "contact_area_fraction_counted": Observable("1", "touching nodes over all nodes", held="load"),
-    "contact_area_fraction_error": _error(
-        "standard deviation of contact_area_fraction by edges between the nodes of profiles"
-    ),
+    "contact_area_fraction_error": _error("standard deviation of contact_area_fraction by edges between the nodes"),
     "plastic_area_fraction": Observable("1", "nodes at the hardness over all nodes", needs="hardness", held="gradient"),
     "mean_plastic_depth": Observable(
         "height", "mean depth by which the punch has been flattened", needs="hardness", held="height"

@@ -88,7 +88,8 @@ class Problem:
     of `time_tolerance` along the path. `processes` happen in addition. `sliding` of the punch (none: 0), `duration` and
     `speed` are those of the load, as in a `LoadStep`. A punch that slides over a body that creeps is moved along it by
     `passing` (g) times the sliding, in L_x; None: each node keeps facing the same one. A surface that is not `periodic`
-    is a window, around which the body is free; "x", "y": on both sides along the other axis alone.
+    is a window, around which the body is free; "x", "y": on both sides along the other axis alone. The period holds a
+    mirrored field, and each of its contacts, `fields_in_period` times.
     """
 
     surface: Surface
@@ -111,6 +112,7 @@ class Problem:
     wear_rate: float | None = None
     passing: float | None = None
     plasticity: PlasticSublayers | None = None
+    fields_in_period: int = 1
     _identity: str = field(default="", init=False, repr=False, compare=False)
 
     @property

@@ -87,6 +87,7 @@ def reduce(
         wear_rate=None if acting.wear is None else acting.wear.rate,
         plasticity=plasticity(scene, scales, rms_gradient),
         passing=rounded(rms_gradient) if passes else None,
+        fields_in_period=scene.fields_in_period,
     )
     effects = interactions + _slow_effects(scene)
     return problem, _all_effects(elasticity, effects, tractions is not None)

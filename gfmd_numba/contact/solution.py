@@ -89,7 +89,7 @@ def solve(problem: Problem, state: State | range) -> Contact:
     law = problem.interface.normal_law
     at_contact = 0.0 if law is None else law.traction(np.zeros(problem.surface.shape))
     found = Contact(heights, punch, equilibrium, state, step, change, stiffness=stiffness_of_waves, approach=approach)
-    found = replace(found, law_traction_at_contact=at_contact)
+    found = replace(found, law_traction_at_contact=at_contact, fields_in_period=problem.fields_in_period)
     return found if problem.periodic is True else replace(found, ends=problem.ends)
 
 

@@ -216,8 +216,9 @@ class Contact:
     empty with a period. `time_error` is the relative error by the divisions of all steps so far, 0 where no step
     is divided. `least_pressure` is the smallest mean pressure at any of the divisions of this step, infinite without
     any, and `slip_path` `[realisation, (y,) x]` the way of each node along the punch in all of them, None without any.
-    `law_traction_at_contact` `[(y,) x]` is the traction of a law of the gap where the gap is 0, 0 without one. `found`
-    are the observables found so far.
+    `law_traction_at_contact` `[(y,) x]` is the traction of a law of the gap where the gap is 0, 0 without one. The
+    mirror images of a contact are `fields_in_period` contacts with edges at the same places. `found` are the
+    observables found so far.
     """
 
     heights: Reals
@@ -234,6 +235,7 @@ class Contact:
     least_pressure: float = np.inf
     slip_path: Reals | None = None
     law_traction_at_contact: Reals | float = 0.0
+    fields_in_period: int = 1
     found: dict[object, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @cached_property

@@ -33,7 +33,7 @@ FARTHEST = 0.25  # of the distance of two peaks, from a peak to where the mean p
 
 FEWEST = 6  # nodes across a contact under a form: with 7 the radius of Hertz is right to 6 %, with 5 to 30 %
 # Nodes: narrower stretches have areas 8 to 33 % too large, for H = 0.3 and 0.8 and p* from 0.002 to 0.1
-NARROW, LEAST_OFF, LARGEST_OFF = 2.0, 0.1, 0.3
+NARROW, LEAST_OFF, LARGEST_OFF = 2.0, 0.05, 0.3
 # contacts of a measured field, unless as much of it touches, or Nayak's parameter is that of waves or noise
 FEW, _MOSTLY_CLOSED, _ROUGH = 5, 0.5, 5.0
 _OF_FEW = 0.5  # of areas, over the root of the mean number of contacts: 0.5 to 0.8 on lines (H = 0.3, 0.8; 3 to 50)
@@ -233,7 +233,7 @@ def _narrow(given: ContactInput, found: Found) -> Iterator[Told]:
         return
     widths = _mean_width(found, found["gap"].shape[_nodes(given)[0] :])
     areas, errors = found["contact_area_fraction"], found["contact_area_fraction_error"]
-    known = np.isfinite(areas) & (areas > 0.0) & np.isfinite(errors)  # of maps unknown
+    known = np.isfinite(areas) & (areas > 0.0) & np.isfinite(errors)
     uncertain = np.divide(errors, areas, out=np.zeros(areas.shape), where=known)
     off = np.maximum(uncertain, np.where(widths < NARROW, LARGEST_OFF, 0.0))
     finer = f"points: {2 * found['x'].size} or more"

@@ -351,7 +351,8 @@ def on_a_grid(x: Reals, y: Reals, z: Reals) -> tuple[Reals, dict[str, Reals]]:
     if len(x) < _SCATTERED * cells:
         raise ValueError(
             f"{len(x)} points of three columns x, y and z at {len(along_x)} different x and {len(along_y)} different "
-            "y, which are no grid: interpolate them to one, or save the map as rows of heights"
+            "y, which are no grid: interpolate them to one, or save the map as rows of heights; in a profile, delete "
+            "what is neither positions nor heights"
         )
     along_x, of_x = _completed(along_x) or (along_x, np.arange(len(along_x)))
     along_y, of_y = _completed(along_y) or (along_y, np.arange(len(along_y)))

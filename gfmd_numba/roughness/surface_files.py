@@ -11,8 +11,15 @@ import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness.measurements import Content, on_a_grid, split_axes
-from gfmd_numba.roughness.surface_text import BYTE_ORDER_MARKS, TextTable, read_rows, read_table, stated_mark
-from gfmd_numba.scene.measured_record import AXES, Heights
+from gfmd_numba.roughness.surface_text import (
+    BYTE_ORDER_MARKS,
+    TextTable,
+    check_upwards,
+    read_rows,
+    read_table,
+    stated_mark,
+)
+from gfmd_numba.scene.measured_record import AXES, Heights, grow_downwards
 from gfmd_numba.scene.regular_file import UNWRITABLE, can_be_read, check_regular, most_numbers
 from gfmd_numba.scene.units import PERIOD, length_unit
 from gfmd_numba.storage.netcdf_file import TooLargeError, read_dataset
@@ -174,9 +181,13 @@ def _read_netcdf(path: Path) -> Content:
         if name in dataset.variables and dataset[name].dims == (dim,)
     }
     units = {"z": height, **positions}
+    turned = grow_downwards(height.attrs)
+    if not turned and "positive" not in height.attrs:
+        check_upwards(str(height.name))
     return Content(
-        height.values,
+        0.0 - height.values if turned else height.values,
         {axis: each.values for axis, each in positions.items()},
+        done=("turned the heights upside down, as the file calls them positive: down",) if turned else (),
         units={axis: _named(each.attrs["units"]) for axis, each in units.items() if "units" in each.attrs},
     )
 

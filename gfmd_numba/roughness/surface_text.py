@@ -46,6 +46,7 @@ _NAMES = {  # without accents, in English, German, French, Spanish and Italian
     r"|posicion|distancia|longitud|ascissa|posizione|distanza|lunghezza",
     "y": "y",
     "z": r"z|h|heights?|topography|elevation|\w*hoe?hen?|hauteurs?|alturas?|altezz[ae]",
+    "depth": r"depths?|\w*tiefen?|profondeurs?|profundidad(?:es)?|profondita",
     "values": r"values?|werte?|valeurs?|valor(?:es?|i)?",
     "unit": r"units?|einheit(?:en)?|unites?|unidad(?:es)?|unita",
     "of": r"of|de[rs]?|du|dell?a?|di",
@@ -167,12 +168,32 @@ def columns_of(header: list[str], columns: int) -> tuple[list[int], tuple[str | 
     """Columns of positions along x, perhaps y, and of heights, in this order, and their units; all of a map, and one.
 
     A unit is None where the header states none; one of the last line in brackets that is no unit of length is returned
-    as it is. Raises ValueError for labels that name positions, but not which of the others are heights.
+    as it is. Raises ValueError for labels that name positions, but not which of the others are heights, and for depths.
     """
     chosen, units = _labelled(header, columns) or (list(range(columns)), _stated_units(header, columns))
+    _check_direction(header, columns, chosen[-1])
     named = _entries(header)
     axes = ("z", "xz", "xyz")[len(units) - 1]
     return chosen, tuple(unit or named.get(axis, named.get("")) for axis, unit in zip(axes, units, strict=True))
+
+
+def _check_direction(header: list[str], columns: int, heights: int) -> None:
+    """Raise ValueError where the labels, or the last line above a map, call the heights of a column depths."""
+    for line in header[-2:]:  # labels, and perhaps their units below
+        labels = _cells(_STATED.sub("", line))
+        label = labels[heights] if len(labels) == columns else labels[0] if len(labels) == 1 else ""
+        if not re.search(r"[\d:=]", label):
+            check_upwards(label)
+
+
+def check_upwards(label: str) -> None:
+    """Raise ValueError for heights that a label calls depths."""
+    words = re.findall(r"[^\W_]+", _unaccented(label))
+    if words and _KINDS["depth"].fullmatch(words[-1]):
+        raise ValueError(
+            f"heights called {label!r}, which may grow downwards, where peaks have to be positive: change their sign "
+            "if they do, and write z in place of that name"
+        )
 
 
 def _stated_units(header: list[str], columns: int) -> tuple[str | None, ...]:
@@ -212,16 +233,17 @@ def _labelled(header: list[str], columns: int) -> tuple[list[int], tuple[str | N
         chosen = _by_names([_axis(label) for label in labels])
         cells = _cells(line)
         of = [_found(cell, True, line) for cell in cells] if len(cells) == columns else [[]] * columns
+        below = [
+            row for row in map(_cells, header[number + 1 :]) if len(row) == columns and row[0][-1:] not in {":", "="}
+        ]
         if chosen is None and columns > 2:
-            lengths = [i for i, found in enumerate(of) if any(length_unit(unit) for _, unit in found)]
+            said = [[*(unit for _, unit in of[i]), *(row[i].strip("[]() ") for row in below)] for i in range(columns)]
+            lengths = [i for i, each in enumerate(said) if any(map(length_unit, each))]
             named = {i for i, label in enumerate(labels) if _axis(label) is not None}
             chosen = lengths if len(lengths) == 2 and named <= {*lengths} else None
         if chosen is None:
             unclear = unclear or (labels if columns > 2 and {_axis(label) for label in labels} & {*"xy"} else None)
             continue
-        below = [
-            row for row in map(_cells, header[number + 1 :]) if len(row) == columns and row[0][-1:] not in {":", "="}
-        ]
         units = [next((unit for _, unit in of[i]), None) for i in chosen]
         for row in below:
             cells = [row[i].strip("[]() ") for i in chosen]

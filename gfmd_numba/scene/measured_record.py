@@ -85,6 +85,8 @@ def heights(given: Any) -> Heights:
             raise ValueError("no numbers") from None
     if not is_table(values):
         raise ValueError("no row or table of numbers")
+    if grow_downwards(getattr(given, "attrs", {})):
+        values = 0.0 - values
     positions, units = _described(given) if hasattr(given, "dims") else ({}, {})
     units = units if unit is None else {**units, "z": str(unit)}
     content = hashlib.sha256(repr((values.shape, sorted(units.items()))).encode())
@@ -92,6 +94,11 @@ def heights(given: Any) -> Heights:
         content.update(np.ascontiguousarray(array, dtype=np.float64).tobytes())
     shape = " x ".join(map(str, values.shape))
     return Heights(f"array of {shape}, sha256 {content.hexdigest()}", values, positions, units)
+
+
+def grow_downwards(attributes: Mapping[str, Any]) -> bool:
+    """Whether numbers are depths, as `positive: down` of the CF conventions says."""
+    return str(attributes.get("positive", "")).lower() == "down"
 
 
 def _described(given: Any) -> tuple[dict[str, npt.NDArray[Any]], dict[str, str]]:

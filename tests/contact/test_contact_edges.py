@@ -151,6 +151,59 @@ def test_what_all_edges_are_off_by_adds_up_and_what_each_is_off_by_does_in_squar
     assert thrice**2 - 3.0 * each == pytest.approx(9.0 * (once**2 - each))
 
 
+def test_the_area_of_a_mirrored_profile_is_as_uncertain_as_that_of_its_field():
+    """The mirror images of an edge lie at the same place between two nodes, and do not average out."""
+    x = np.arange(256) / 256
+    heights = sum(np.cos(np.pi * k * x + k * k) / k**1.5 for k in range(1, 40))  # in um
+
+    def relative_error(**keys):
+        roughness = {"method": "measured", "heights": heights, "units": {"z": "um"}, "spacing": "1 um", **keys}
+        body = {"youngs_modulus": "100 GPa", "poissons_ratio": 0.3}
+        scene = {
+            "body": body,
+            "roughness": roughness,
+            "interface": {"hard_wall": {}},
+            "loading": {"pressure": "30 MPa"},
+        }
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            found = gfmd_numba.solve({"scene": scene})
+        return float(found["contact_area_fraction_error"] * found["x"].size), int(found["n_segments"])
+
+    of_period, contacts = relative_error(periodic="mirror")
+    assert contacts >= 2
+    edges = 2 * contacts
+    assert of_period == pytest.approx(2.0 * np.sqrt(edges / 2 / 12.0))
+    of_field, contacts = relative_error()
+    assert of_field == pytest.approx(np.sqrt(2 * contacts / 12.0))
+
+
+def test_areas_of_maps_are_off_by_their_error_and_small_contacts_are_warned_of():
+    """Maps of few contacts of few nodes each, against grids that are four times as fine."""
+
+    def found(heights, **keys):
+        roughness = {"method": "measured", "heights": heights, "units": {"z": "um"}, **keys}
+        body = {"youngs_modulus": "100 GPa", "poissons_ratio": 0.3}
+        scene = {"length": "32 um", "body": body, "roughness": roughness, "interface": {"hard_wall": {}}}
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return gfmd_numba.solve({"scene": scene | {"loading": {"pressure": "100 MPa"}}})
+
+    waves = np.fft.fftfreq(32, 1 / 32)
+    q = np.hypot(waves[:, np.newaxis], waves)
+    amplitudes = np.where((q > 0.0) & (q <= 8.0), 1.0 / np.maximum(q, 1.0) ** 1.8, 0.0)
+    parts = []
+    for seed in range(10):
+        phases = np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi, q.shape)
+        heights = np.fft.ifft2(amplitudes * np.exp(1j * phases)).real
+        heights *= 0.5 / heights.std()
+        coarse, fine = found(heights), found(heights, points=128)
+        true, error = float(fine["contact_area_fraction"]), float(coarse["contact_area_fraction_error"])
+        parts.append((float(coarse["contact_area_fraction"]) - true) / error)
+        assert ("narrow on this grid" in coarse.attrs["validity"]) == (error > 0.05 * coarse["contact_area_fraction"])
+    assert 0.4 < np.sqrt(np.mean(np.square(parts))) < 1.2
+
+
 def solved(nx, aspect_ratio, reduced_pressure):
     x = np.arange(nx) / nx
     heights = 1e-4 * np.cos(80 * np.pi * x) + 3e-5 * np.cos(14 * np.pi * x)

@@ -346,3 +346,17 @@ def test_marks_of_instruments_are_missing_heights(tmp_path, mark, separator):
     rows = [["0", "0", mark], ["1", "0", "2.5"], ["0", "1", "3.5"], ["1", "1", mark]]
     (tmp_path / "m.xyz").write_text("".join(separator.join(row) + "\n" for row in rows))
     np.testing.assert_array_equal(read_table(tmp_path / "m.xyz").values[:, 2], [np.nan, 2.5, 3.5, np.nan])
+
+
+@pytest.mark.parametrize("dims", [("x",), ("y", "x")])
+def test_depths_of_netcdf_and_xarray_are_turned_upside_down_where_they_say_so(tmp_path, dims):
+    depths = xr.DataArray(np.random.default_rng(0).normal(size=(8,) * len(dims)), dims=dims)
+    for attributes, sign in (({}, 1.0), ({"positive": "up"}, 1.0), ({"positive": "down"}, -1.0)):
+        given = depths.assign_attrs(units="um", **attributes)
+        given.to_dataset(name="height").to_netcdf(tmp_path / "p.nc")
+        np.testing.assert_array_equal(read_content(tmp_path / "p.nc").heights, sign * depths.values)
+        np.testing.assert_array_equal(Measured(method="measured", heights=given).heights.values, sign * depths.values)
+        assert Measured(method="measured", heights=given).heights.units == {"z": "um"}
+    depths.to_dataset(name="depth").to_netcdf(tmp_path / "p.nc")
+    with pytest.raises(ValueError, match="which may grow downwards"):
+        read_content(tmp_path / "p.nc")

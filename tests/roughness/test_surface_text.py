@@ -322,6 +322,7 @@ def test_columns_and_units_are_known_by_their_labels():
     assert columns_of(["Nr.;Weg [mm];Höhe [mil];Zeit"], 4)[0] == [1, 2]
     assert columns_of(["Nr.;Weg/mm;Höhe/mil"], 3) == ([1, 2], ("mm", "mil"))
     assert columns_of(["Nr.;Weg in mm;Höhe in mil"], 3) == ([1, 2], ("mm", "mil"))
+    assert columns_of(["No.,Horizontal,Vertical", ",um,nm"], 3) == ([1, 2], ("um", "nm"))
     assert columns_of(["Nr.;Auflösung;px/mm"], 3)[0] == [0, 1, 2]
     assert columns_of(["Numéro;Abscisse [mm];Hauteur [um];Temps [s]"], 4) == ([1, 2], ("mm", "um"))
     for header, columns in (("Nr.;x;Weg [mm];Höhe [mil]", 4), ("x [mm],primary [um],roughness [um]", 3)):
@@ -529,3 +530,29 @@ def test_a_row_of_words_is_told_by_its_line(tmp_path, rows):
     path.write_text("\n".join(lines))
     with pytest.raises(ValueError, match=rf"^'Mean' in line {rows + 3}, not a number \(delete that line if"):
         read_content(path)
+
+
+@pytest.mark.parametrize(
+    ("header", "columns"),
+    [
+        ("x [mm],depth [um]", 2),
+        ("Weg [mm];Profiltiefe [um]", 2),
+        ("Position;Profondeur\nmm;um", 2),
+        ("No.,x [mm],Depth [um]", 3),
+        ("Depth [nm]", 1),
+        ("Depth [nm]", 6),
+    ],
+)
+def test_depths_are_not_taken_for_heights(header, columns):
+    with pytest.raises(ValueError, match="which may grow downwards"):
+        columns_of(header.split("\n"), columns)
+
+
+@pytest.mark.parametrize(
+    "header", ["depth,x,height\num,mm,um", "Etch depth: 5 um\nx [mm],z [um]", "x [mm],depth z [um]"]
+)
+def test_depths_that_are_no_heights_are_left_alone(header):
+    lines = header.split("\n")
+    chosen, units = columns_of(lines, lines[-1].count(",") + 1)
+    assert len(chosen) == 2
+    assert units == ("mm", "um")

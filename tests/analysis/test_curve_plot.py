@@ -15,7 +15,8 @@ from support.legible import faults
 
 @pytest.fixture(scope="module")
 def found():
-    return load_curve(scene_file(1e-4, 70e9), [0.01, 0.1, 0.5], 3)
+    fine = {"discretisation": {"eps_c": 1 / 8, "eps_f": 1 / 32, "eps_t": 0.5}}
+    return load_curve(scene_file(1e-4, 70e9) | fine, [0.01, 0.1, 0.5], 3)
 
 
 def test_a_curve_shows_four_quantities_over_the_pressure_with_their_errors(found):

@@ -310,6 +310,7 @@ def _notes(
         *limit_errors.logarithmic(group, found),
         *limit_errors.additivity(group, error),
         *limit_errors.note_of_thin_layers(group, whole.means[index]),
+        *limit_errors.notes_of_one_period(group, found),
         *(f"{what} is left out, as no law describes it together with the finer levels" for what in left_out),
         *(
             f"{rival.what} the limit differs by {difference:+.2g}, more than by chance: the error includes this"

@@ -174,6 +174,11 @@ def _fit_family(groups: Sequence[Group], variable: str, given: Given) -> list[Gr
     if not groups:
         return []
     laws = _choices(groups, given)
+    loads = list(dict.fromkeys(group.load for group in groups))
+    if len(loads) > 1 and np.min(loads) > 0.0 and any(law.scales_limit for each in laws for law in each.values()):
+        # the parameters of the unseen slope depend on the load, so that groups of several do not share them
+        of_load = {load: iter(_fit_family([g for g in groups if g.load == load], variable, given)) for load in loads}
+        return [next(of_load[group.load]) for group in groups]
     whole = found = _weighed(groups, laws)
     left_out: list[str] = []
     while found.misfit_factor > 1.0 and (fewer := limit_errors.without_coarsest(found.groups)) is not None:

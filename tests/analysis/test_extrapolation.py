@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.analysis import fit_tfc, limit_errors
+from gfmd_numba.analysis.laws import unseen_slope
 from gfmd_numba.analysis.limit_errors import _without, expected_extrapolation_errors, rivals
 from gfmd_numba.analysis.selection import groups_to_fit
 from support.doubts import without_doubts
@@ -22,6 +23,13 @@ def of(levels, law, realisations=30):
     dataset = campaign(levels={"eps_f": levels}, coefficients={}, realisations=realisations)
     moved = dataset["kappa"] + law(dataset["eps_f"])
     return dataset.assign(kappa=moved).rename(kappa="kappa_r")
+
+
+def unseen(eps_f, times=1.0):
+    """The correction by the unseen slope at H = 0.8 and p* = 0.007, with `times` the usual k_c."""
+    law = unseen_slope(0.8, 0.007)
+    cut, tail = (parameter.middle for parameter in law.parameters)
+    return TFC[0.8] * eps_f.copy(data=law.value(eps_f.values, np.array([[times * cut, tail]]))[0])
 
 
 def scattered(dataset, seed):
@@ -99,6 +107,18 @@ def unseen_slope_at_one_period(stretches, correction=0.3):
     return noisy(dataset, np.random.default_rng(0), spread=0.01).assign_coords(has_measured_slope_law=measured)
 
 
+def test_an_unseen_slope_unlike_that_of_measured_contacts_is_as_uncertain_as_a_power():
+    at = []
+    for correction in (unseen, lambda eps: unseen(eps, 1.8)):
+        dataset = noisy(of(COARSE, correction).rename(kappa_r="kappa"), np.random.default_rng(0), spread=0.02)
+        size = dataset.sizes["case"]
+        dataset = dataset.assign_coords(has_measured_slope_law=("case", np.full(size, True)))
+        at.append(fit_tfc(dataset).sel(limit="eps_f"))
+    usual, unusual = ((each["extrapolation_error"] / each["extrapolated"]).item() for each in at)
+    assert usual < 0.05
+    assert unusual == pytest.approx(0.3, rel=0.05)
+
+
 def test_too_few_hills_in_a_period_count_where_eps_t_is_not_varied():
     """Their number scatters, so that kappa is larger, by 1.4 over its square; the fit takes this for the limit's."""
     few, many = (fit_tfc(unseen_slope_at_one_period(stretches)) for stretches in (2.2, 220.0))
@@ -123,8 +143,8 @@ def test_nothing_is_known_of_the_unseen_slope_over_layers_that_stay_thin():
 
 
 def test_the_law_of_the_unseen_slope_is_off_by_a_small_part_of_the_limit_at_most():
-    dataset = noisy(of(COARSE, lambda eps: 12.0 * eps**0.6).rename(kappa_r="kappa"), np.random.default_rng(0))
-    by_law, by_power = (fit_tfc(dataset, fixed=fixed) for fixed in ({}, {"eps_f": 0.6}))
+    dataset = noisy(of(COARSE, unseen).rename(kappa_r="kappa"), np.random.default_rng(0))
+    by_law, by_power = (fit_tfc(dataset, fixed=fixed) for fixed in ({}, {"eps_f": 0.3}))
     assert 0.0 < part(by_law, "extrapolation") < 0.02 * by_law["kappa_tfc"].item()
     assert part(by_power, "extrapolation") > 0.02 * by_power["kappa_tfc"].item()
 
@@ -138,7 +158,7 @@ def test_the_law_of_the_unseen_slope_is_off_by_a_small_part_of_the_limit_at_most
     ],
 )
 def test_the_law_of_the_unseen_slope_is_off_by_less_for_contacts_like_those_measured(load, less):
-    dataset = noisy(of(COARSE, lambda eps: 12.0 * eps**0.6).rename(kappa_r="kappa"), np.random.default_rng(0))
+    dataset = noisy(of(COARSE, unseen).rename(kappa_r="kappa"), np.random.default_rng(0))
     size = dataset.sizes["case"]
     dataset = dataset.assign_coords(reduced_pressure=("case", np.full(size, load), {"axis": "physics"}))
     like = dataset.assign_coords(has_measured_slope_law=("case", np.full(size, True)))
@@ -155,8 +175,8 @@ def test_the_law_of_the_unseen_slope_is_off_by_less_for_contacts_like_those_meas
 
 def test_an_asserted_exponent_does_not_make_the_error_smaller_than_theory_does():
     """And a note says what theory makes of the same levels."""
-    dataset = noisy(of(COARSE, lambda eps: 12.0 * eps**0.6).rename(kappa_r="kappa"), np.random.default_rng(0))
-    by_law, asserted = (fit_tfc(dataset, fixed=fixed) for fixed in ({}, {"eps_f": 0.6}))
+    dataset = noisy(of(COARSE, unseen).rename(kappa_r="kappa"), np.random.default_rng(0))
+    by_law, asserted = (fit_tfc(dataset, fixed=fixed) for fixed in ({}, {"eps_f": 0.3}))
     by_theory = by_law["kappa_tfc_error"] ** 2 - part(by_law, "extrapolation") ** 2 - part(by_law, "rivals") ** 2
     assert asserted["kappa_tfc_error"] ** 2 - part(asserted, "extrapolation") ** 2 > 0.99 * by_theory
     assert part(asserted, "rivals") > 0.0

@@ -173,6 +173,11 @@ def _fit_family(groups: Sequence[Group], given: Given) -> list[GroupFit]:
     if not groups:
         return []
     laws = _choices(groups, given)
+    loads = list(dict.fromkeys(group.load for group in groups))
+    if len(loads) > 1 and np.min(loads) > 0.0 and any(law.scales_limit for each in laws for law in each.values()):
+        # the parameters of the unseen slope depend on the load, so that groups of several do not share them
+        of_load = {load: iter(_fit_family([g for g in groups if g.load == load], given)) for load in loads}
+        return [next(of_load[group.load]) for group in groups]
     whole = found = _weighed(groups, laws)
     left_out: list[str] = []
     while found.misfit_factor > 1.0 and (fewer := limit_errors.without_coarsest(found.groups)) is not None:
@@ -235,7 +240,10 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
     value = np.concatenate([_parameters(group, fit) for fit in fits])
     variance = np.concatenate([_parameters(group, fit, variances=True) for fit in fits])
     at_an_end = limit_errors.pressed(found, weights)
-    of_each = [limit_errors.extrapolation_errors(index, group, means, choice, at_an_end) for choice in found]
+    of_each = [
+        limit_errors.extrapolation_errors(index, group, means, choice, at_an_end, limit_errors.is_unusual(choice, each))
+        for choice, each in zip(found, weights, strict=True)
+    ]
     by_limit = np.concatenate(of_each) ** 2
     mine = whole.limit_of(index)
     by_rival = max((rival.error(*mine, *other.limit_of(index)) ** 2 for rival, other in others), default=0.0)
@@ -313,6 +321,7 @@ def _notes(
         *limit_errors.logarithmic(group, found),
         *limit_errors.additivity(group, error),
         *limit_errors.note_of_thin_layers(group, whole.means[index]),
+        *limit_errors.notes_of_one_period(group, found),
         *(f"{what} is left out, as no law describes it together with the finer levels" for what in left_out),
         *(
             f"{rival.what} the limit differs by {difference:+.2g}, more than by chance: the error includes this"

@@ -152,7 +152,8 @@ def choices(limits: Sequence[str], groups: Sequence[Group], given: Given) -> lis
     """Return the laws of each limit that a fit of groups chooses from.
 
     The law from theory holds for kappa and one Hurst exponent, where no exponent of eps_f is imposed. Powers stand
-    next to it where a range of their exponents is given, but for those near H = 1.
+    next to it where a range of their exponents is given, but for those near H = 1. Layers that stay thin are stiffer
+    or softer for long waves than for short ones, so that nothing is known of k_c before there are data.
     """
     hursts, loads = [group.parameters.get("hurst", np.nan) for group in groups], [group.load for group in groups]
     powers = {limit: power(limit, given) for limit in limits}
@@ -164,8 +165,9 @@ def choices(limits: Sequence[str], groups: Sequence[Group], given: Given) -> lis
         or low == high
     ):
         return [powers]
-    load = loads[0] if len(set(loads)) == 1 else np.nan  # k_c depends on it
-    is_measured = all(group.has_measured_slope_law for group in groups)
+    as_on_half_spaces = not any(group.has_thin_layers for group in groups)
+    load = loads[0] if len(set(loads)) == 1 and as_on_half_spaces else np.nan  # k_c depends on it
+    is_measured = as_on_half_spaces and all(group.has_measured_slope_law for group in groups)
     from_theory = powers | {"eps_f": unseen_slope(hursts[0], load, groups[0].dimension, is_measured)}
     return [powers, from_theory] if "eps_f" in given and hursts[0] <= STEEPEST else [from_theory]
 

@@ -280,13 +280,23 @@ def _without(groups: Sequence[Group], limit: str, level: float) -> list[Group] |
 _OF_THE_DISTANCE = 0.3
 _OF_THE_LIMIT = 0.02
 _OF_MEASURED = 0.2  # of this where k_c and m were measured on contacts of the same kind
-# Coarsest of the finest eps_f of these measurements, by the dimension of the surfaces. From 1/eps_f = 16 and 32 of
-# lines and 16 of maps (H = 0.3 to 0.9) the unseen slope is off by a tenth to a third of the distance, as powers are
-_COARSEST = {1: 1 / 128, 2: 1 / 32}
+# Coarsest finest eps_f for which that is true, by the dimension of the surfaces. From 1/eps_f = 16 and 32 of lines and
+# 16 of maps (H = 0.3 to 0.9) the unseen slope is off by a tenth to a third of the distance, as powers are. So are fits
+# from 1/eps_f = 16 to 256 of lines (H = 0.8, p* = 0.003 and 0.007: limits 4 to 6 % too small, 25 % away)
+_COARSEST = {1: 1 / 512, 2: 1 / 32}
 # Standard error over the limit, for a layer as high as the longest wave of the power law: a thin layer is stiffer for
 # long waves than the half-space that it becomes where eps_t goes to 0, by no law of eps_t. Measured on the same lines
 # as the difference of slabs from half-spaces (a = 0.02 to 0.3, 1/eps_t = 2 to 8, 1/eps_f = 1024)
 _OF_A_LAYER, _MOST_OF_A_LAYER = 0.01, 0.3
+# Correction in eps_t over kappa where eps_t is not varied, times n^2 (eps_f / e)^0.5, where a period has n stretches or
+# patches of contact on average, and e is by the dimension of the surfaces. Measured on half-spaces as kappa at 1/eps_t
+# = 1, 2 and 4 over that at 16 (maps: 8). On profiles (H = 0.3 to 0.9, p* = 0.002 to 0.2) at 1/eps_f = 64 it is 0.57
+# with 1.6 stretches, 0.21 with 2.6, 0.09 with 4.0, 0.03 with 6.9 and 0.01 with 12; at 16, 0.42 with 1.4, 0.19 with 2.0,
+# 0.10 with 2.5 and 0.02 with 4.4. On maps (H = 0.8, p* = 0.005 and 0.02) at 8 it is 0.21 with 2.6 patches, 0.07 with
+# 4.1 and 0.03 with 6.8. It wanes with a power of the correction in eps_f, by the dimension: the least that we measured
+_OF_STRETCHES, _POWER_OF_EPS_F, _AT_EPS_F = 1.4, 0.5, {1: 1 / 64, 2: 1 / 8}
+_LEAST_WANING = {1: 1.3, 2: 3.0}
+_WORTH_FINER_PERIODS = 0.02  # of the limit: corrections that are smaller hardly add to an error
 
 
 def distances(index: int, means: Means, choice: ChoiceOfLaws) -> Reals:
@@ -320,21 +330,33 @@ def _was_measured(finest: Reals | float, dimension: int, load: Reals | float) ->
     return (np.asarray(finest) <= _COARSEST[dimension]) & ~is_light(load)
 
 
+def is_unusual(choice: ChoiceOfLaws, weight: Reals) -> bool:
+    """Whether the data press a parameter of a law so far from its usual values that the contacts are others."""
+    for index, parameter in enumerate(choice.parameters):
+        if parameter.usual is not None and weight.sum() > 0.0:
+            found = float(weight @ np.log(choice.nodes[:, index]) / weight.sum())
+            median, factor = np.log(parameter.usual)
+            if abs(found - median) > _SIGNIFICANT * factor:
+                return True
+    return False
+
+
 def extrapolation_errors(
-    index: int, group: Group, means: Means, choice: ChoiceOfLaws, at_an_end: Collection[str]
+    index: int, group: Group, means: Means, choice: ChoiceOfLaws, at_an_end: Collection[str], unusual: bool
 ) -> Reals:
     """Return the standard error of each limit by the distance that its law bridges (node, limit), 0 if not varied.
 
     The error is the whole distance if the data press an exponent against an end of its range, or if a limit of a
-    variable of one sign is nearer to 0 than the distance. Layers add an error to that of eps_t (`layer_error`).
+    variable of one sign is nearer to 0 than the distance. It is that of a power if the parameters of the unseen slope
+    are `unusual`, so that nothing was measured of such contacts. Layers add an error to that of eps_t
+    (`layer_error`), and short periods one to that of eps_f (`error_of_few_stretches`).
     """
     far = abs(np.nan_to_num(distances(index, means, choice)))
     limit, found = choice.fits[index].coefficients[:, 0], far.copy()
     for column, name in enumerate(LIMITS):
         if name in choice.laws and name not in at_an_end:
-            scales_limit = choice.laws[name].scales_limit and bool(
-                _was_measured(means.finest(name), group.dimension, group.load)
-            )
+            scales_limit = choice.laws[name].scales_limit and not group.has_thin_layers and not unusual
+            scales_limit = scales_limit and bool(_was_measured(means.finest(name), group.dimension, group.load))
             factor = _OF_MEASURED if scales_limit and group.has_measured_slope_law else 1.0
             found[:, column] = factor * extrapolation_error(found[:, column], limit, scales_limit)
     if np.isfinite(group.possible).any():
@@ -342,7 +364,54 @@ def extrapolation_errors(
         found = np.where(far > size[:, np.newaxis], far, found)
     column = LIMITS.index("eps_t")
     found[:, column] = np.hypot(found[:, column], layer_error(group, means) * limit)
+    column = LIMITS.index("eps_f")
+    found[:, column] = np.hypot(found[:, column], error_of_few_stretches(index, group, choice))
     return found
+
+
+def error_of_few_stretches(index: int, group: Group, choice: ChoiceOfLaws) -> Reals:
+    """Return the standard error of each limit (node) by a correction in eps_t that no levels of eps_t tell.
+
+    The correction wanes with eps_f as an interaction of both does, and the fit takes it for one of eps_f. The error is
+    0 where a power stands for the law of the unseen slope, whose constants were measured at long periods.
+    """
+    law, fit = choice.laws.get("eps_f"), choice.fits[index]  # each case counts by its influence on the limit
+    if "eps_t" in group.levels or law is None or not law.scales_limit or not (group.stretches > 0.0).any():
+        return np.zeros(len(choice.nodes))
+    fewest = np.nanargmin(group.stretches)
+    at = law_value(choice.laws, "eps_f", group.levels["eps_f"], choice.nodes)
+    correction = _of_short_periods(group) * (at / at[:, [fewest]]) ** _LEAST_WANING[group.dimension]
+    return np.asarray(abs((fit.influence * correction * (1.0 + at)).sum(axis=1) * fit.coefficients[:, 0]))
+
+
+def _of_short_periods(group: Group) -> float:
+    """Return the correction in eps_t over the value where a period has fewest stretches; 0 if levels of eps_t tell."""
+    if "eps_t" in group.levels:
+        return 0.0
+    fewest = np.nanargmin(group.stretches)
+    fine = (group.levels["eps_f"][fewest] / _AT_EPS_F[group.dimension]) ** _POWER_OF_EPS_F
+    return min(_OF_STRETCHES / float(group.stretches[fewest] ** 2 * fine), 1.0)
+
+
+def notes_of_one_period(group: Group, choices: Sequence[ChoiceOfLaws]) -> list[str]:
+    """Return notes where the law of the unseen slope is less sure, because eps_t is not varied."""
+    law = choices[-1].laws.get("eps_f")
+    if law is None or not law.scales_limit:
+        return []
+    notes = []
+    if group.has_thin_layers:
+        notes.append(
+            "the thinnest layer is lower than the longest waves, so that the law of the unseen slope is only known "
+            "from these levels: take finer eps_f, or a finer eps_t"
+        )
+    stretches = {1: "stretches", 2: "patches"}[group.dimension]
+    if (group.stretches > 0.0).any() and (correction := _of_short_periods(group)) > _WORTH_FINER_PERIODS:
+        notes.append(
+            f"a period has {np.nanmin(group.stretches):.2g} {stretches} of contact on average where it has fewest, and "
+            f"eps_t is not varied: {group.variable} may be {correction:.0%} too large there, which the error counts; "
+            "take a finer eps_t, or add eps_t to the limits"
+        )
+    return notes
 
 
 def layer_error(group: Group, means: Means) -> float:

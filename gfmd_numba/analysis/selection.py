@@ -125,6 +125,7 @@ class Group:
     reference_error: float
     n_excluded: int
     n_stretches: float  # of contact in a period on average, where there are most; nan if not known, or mostly closed
+    stretches: Reals  # of contact in a period on average (case), nan likewise
     residual_error: Reals  # of each case's mean by the solver's residual, nan if the dataset does not tell
     seconds: float  # of processor time that its cases took, nan likewise
     dimension: int  # of its surfaces
@@ -137,6 +138,11 @@ class Group:
     def n_realisations(self) -> int:
         """Number of complete realisations of the case that has fewest."""
         return int(self.asked[self.complete].sum(axis=0).min(initial=len(self.complete)))
+
+    @property
+    def has_thin_layers(self) -> bool:
+        """Whether layers stay thinner than the longest wave of the power law, because eps_t is not varied."""
+        return "eps_t" not in self.levels and self.reference["eps_t"] > self.thinnest_layer * (1.0 + 1e-9)
 
     @property
     def n_cases(self) -> int:
@@ -174,6 +180,7 @@ class Group:
             complete=_complete(values, asked),
             levels={name: each for name, each in levels.items() if np.unique(each).size > 1},
             residual_error=self.residual_error[kept],
+            stretches=self.stretches[kept],
         )
 
 
@@ -308,6 +315,7 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
     if some.sum() > complete.sum():
         dropped = some.sum() - complete.sum()
         notes.append(f"{dropped} of {some.sum()} realisations dropped, not good in every case")
+    stretches = _stretches(cases, variable)
     levels = {}
     for name in discretisations(cases):
         level = cases[name].values.astype(float)[kept]
@@ -329,7 +337,8 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
         reference_mean=mean,
         reference_error=error,
         n_excluded=n_excluded,
-        n_stretches=_most_stretches(cases, variable),
+        n_stretches=float(np.fmax.reduce(stretches)),
+        stretches=stretches[kept],
         residual_error=residual_error(cases, variable)[kept],
         seconds=float(cases["case_seconds"].values[kept].sum()) if "case_seconds" in cases else nan,
         dimension=dimension_of(cases),
@@ -360,13 +369,13 @@ def _unresolved(cases: xr.Dataset) -> list[str]:
     ]
 
 
-def _most_stretches(cases: xr.Dataset, variable: str) -> float:
-    """Return the mean number of stretches of contact in the case with most; nan if not known, or mostly closed."""
+def _stretches(cases: xr.Dataset, variable: str) -> Reals:
+    """Return the mean number of stretches of contact (case); nan if not known, or mostly closed in one of the cases."""
     if not {"contact_area_fraction_counted", "n_segments"} <= set(map(str, cases.variables)):
-        return nan
+        return np.full(cases.sizes["case"], nan)
     there = cases[["contact_area_fraction_counted", "n_segments"]].where(cases[variable].notnull()).mean("realisation")
     closed = (there["contact_area_fraction_counted"] > _MOSTLY_CLOSED).any()
-    return nan if closed else float(there["n_segments"].max())
+    return np.full(cases.sizes["case"], nan) if closed else np.asarray(there["n_segments"].values)
 
 
 def _complete(values: Reals, asked: NDArray[np.bool_]) -> NDArray[np.bool_]:

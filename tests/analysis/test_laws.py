@@ -89,6 +89,7 @@ def group(hurst, load, variable="kappa", has_measured_slope_law=False):
         parameters={"hurst": hurst},
         load=load,
         has_measured_slope_law=has_measured_slope_law,
+        has_thin_layers=False,
     )
 
 

@@ -46,6 +46,14 @@ def test_a_step_of_a_path_has_the_law_of_its_own_load(light, tmp_path):
         np.testing.assert_allclose(steps["kappa_tfc_error"][step], alone["kappa_tfc_error"][0], rtol=1e-3)
 
 
+def test_groups_of_several_loads_do_not_share_the_unseen_slope(light, tmp_path):
+    """Contacts see shorter waves the larger the load is, so that each group has the limit that it has alone."""
+    heavy = gfmd_numba.run(CAMPAIGN | {"grid": {"pressure": [4e5, 4e6]}}, tmp_path / "both")
+    both, alone = gfmd_numba.fit_tfc(heavy, exponents="shared"), gfmd_numba.fit_tfc(light)
+    np.testing.assert_allclose(both["kappa_tfc"][0], alone["kappa_tfc"][0], rtol=1e-9)
+    np.testing.assert_allclose(both["kappa_tfc_error"][0], alone["kappa_tfc_error"][0], rtol=1e-6)
+
+
 @pytest.mark.parametrize(("told", "is_measured"), [([True, True], True), ([True, False], False), (None, False)])
 def test_the_law_was_measured_for_contacts_if_all_cases_say_so(told, is_measured):
     cases = xr.Dataset(coords={"reduced_pressure": ("case", [0.01, 0.01])})

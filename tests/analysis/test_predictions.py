@@ -52,11 +52,11 @@ def test_samples_of_different_cases_add_up_as_satterthwaite_says():
 )
 def test_the_predicted_error_is_how_far_campaigns_are_off(some, counts):
     """It holds a factor on the scatter of the surfaces, and none on what is known before."""
-    found = [fit_tfc(results(counts, 1000 + seed), fixed=ALPHA)["kappa_tfc"].item() for seed in range(40)]
+    found = [fit_tfc(results(counts, 1000 + seed), fixed=ALPHA)["kappa_tfc"].item() for seed in range(24)]
     achieved = np.sqrt(np.mean((np.array(found) / TFC[0.8] - 1.0) ** 2))
-    told = [predictions(results(some, seed), counts, fixed=ALPHA)[0] for seed in range(10)]
+    told = [predictions(results(some, seed), counts, fixed=ALPHA)[0] for seed in range(6)]
     ratio = np.array([each.error for each in told]) / achieved
-    assert 0.7 < np.median(ratio) < 1.45  # three standard errors of `achieved`, which are 0.11
+    assert 0.7 < np.median(ratio) < 1.45  # two standard errors of `achieved`, which are 0.14, below, and three above
 
 
 def test_few_surfaces_of_the_dear_levels_leave_their_covariance_uncertain():

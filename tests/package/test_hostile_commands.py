@@ -185,7 +185,7 @@ def test_every_command_and_each_of_its_options_is_called():
 
 
 @pytest.mark.long
-def test_the_calls_of_commands_are_good(things, tmp_path, monkeypatch):
+def test_the_calls_of_commands_are_good(undrawn, things, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name, made in COMMANDS.items():
         done = CliRunner().invoke(main, words(name, made(things)), catch_exceptions=False)

@@ -128,6 +128,10 @@ class Reader:
         if arguments[0] == "run":
             arguments = [*_without(arguments, "--workers"), "--workers", "0"]
             arguments = [re.sub(r"=\d+%$", "=30%", word) for word in arguments]  # the price of the target is no matter
+        if arguments[0] == "curve":
+            arguments = [re.sub(r"^(.+:.+):\d+$", r"\1:3", word) for word in arguments]
+        if "--realisations" in arguments:
+            arguments = [*_without(arguments, "--realisations"), "--realisations", "2"]
         typed(arguments)
 
     def _python(self, text):

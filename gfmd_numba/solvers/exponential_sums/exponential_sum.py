@@ -1,6 +1,6 @@
 """The compliance of a profile as a sum of exponential decays, which can be inverted on any set of nodes."""
 
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -45,10 +45,8 @@ class ExponentialSum:
     def __init__(self, compliance: Reals, n: int, spacing: float = _SPACING, faint: float = _FAINT) -> None:
         if compliance[0] == 0.0:  # the mean is prescribed: any value does that keeps the sum positive definite
             compliance = np.concatenate((compliance[1:2] ** 2 / compliance[2:3], compliance[1:]))
-        slowest = np.pi / n
-        terms = int(np.ceil(np.log(STEEPEST / slowest) / spacing)) + 1
-        rates = np.geomspace(slowest, STEEPEST, terms)
-        weights, white = _fit(compliance, n, rates)
+        rates, waves, symbols = _decays(n, spacing)
+        weights, white = _fit(compliance[waves], symbols)
         # all images of a node, one period apart, add up to another decay and one that comes from the other side
         image = np.exp(-n * rates)
         weights /= 1.0 - image
@@ -101,16 +99,24 @@ class ExponentialSum:
         kernels.exponential_sum_solve(displacement, self._count, self.decays.weights, self._factors, pressure)
 
 
-def _fit(compliance: Reals, n: int, rates: Reals) -> tuple[Reals, float]:
-    """Weights of the decays and of the node itself, by least squares of the relative error at all scales alike."""
+@lru_cache(maxsize=64)  # grids: a body that creeps or wears has another compliance at each step
+def _decays(n: int, spacing: float) -> tuple[Reals, Indices, Reals]:
+    """Rates `[decay]` of a period, waves `[wave]` of all scales alike, transforms `[wave, decay]` there."""
+    slowest = np.pi / n
+    terms = int(np.ceil(np.log(STEEPEST / slowest) / spacing)) + 1
+    rates = np.geomspace(slowest, STEEPEST, terms)
     half = n // 2
     spread = np.geomspace(1, half, 4 * int(np.log(n) + 1))
-    index = np.unique(np.concatenate([np.arange(min(9, half + 1)), np.round(spread)]).astype(np.int64))
-    phase = np.pi * index[:, np.newaxis] / n
-    symbols = np.sinh(rates) / (2.0 * (np.sinh(rates / 2.0) ** 2 + np.sin(phase) ** 2))
-    ratios = np.column_stack([symbols, np.ones(len(index))]) / compliance[index, np.newaxis]
+    waves = np.unique(np.concatenate([np.arange(min(9, half + 1)), np.round(spread)]).astype(np.int64))
+    phase = np.pi * waves[:, np.newaxis] / n
+    return rates, waves, np.sinh(rates) / (2.0 * (np.sinh(rates / 2.0) ** 2 + np.sin(phase) ** 2))
+
+
+def _fit(compliance: Reals, symbols: Reals) -> tuple[Reals, float]:
+    """Weights of the decays and of the node itself, by least squares of the relative error."""
+    ratios = np.column_stack([symbols, np.ones(len(symbols))]) / compliance[:, np.newaxis]
     scale = np.linalg.norm(ratios, axis=0)
-    weights = np.linalg.lstsq(ratios / scale, np.ones(len(index)), rcond=1e-12)[0] / scale
+    weights = np.linalg.lstsq(ratios / scale, np.ones(len(symbols)), rcond=1e-12)[0] / scale
     # single precision: the last digits may depend on where the arrays lie in memory
     weights = weights.astype(np.float32).astype(np.float64)
     return weights[:-1], float(weights[-1])

@@ -1,11 +1,10 @@
 """Active-set Newton method for the hard wall on profiles whose compliance is a sum of decays."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import sqrt
 from threading import get_ident
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -78,18 +77,13 @@ def _made(stiffness: Reals, n: int, free_mean: bool, window: Window | None) -> D
     if n < 3 or not (compliance[1:] > 0.0).all():
         return None
     period = n if window is None else _LONGER * n
-    slowest = _SLOWEST * np.pi / period
-    rates = np.concatenate(
-        (np.geomspace(slowest, _FASTEST, _SMOOTH), np.geomspace(_SLOWEST_ALTERNATING, _FASTEST, _ALTERNATING))
-    )
-    signs = np.repeat([1.0, -1.0], [_SMOOTH, _ALTERNATING])
-    order = np.argsort(rates, kind="stable")
-    rates, signs = rates[order], signs[order]
+    decays = _decays(period)
+    rates, signs = decays.rates, decays.signs
     if window is None:
-        weights, white, error = _fit(compliance.__getitem__, n, rates, signs)
+        weights, white, error = _fit(compliance[decays.waves], decays)
     else:
-        body, first = window.stiffness, 2.0 * np.pi * window.shape[0] / (window.padded[0] * _LONGER)
-        weights, white, error = _fit(lambda index: 1.0 / body(np.multiply(first, index)), period, rates, signs)
+        first = 2.0 * np.pi * window.shape[0] / (window.padded[0] * _LONGER)
+        weights, white, error = _fit(1.0 / window.stiffness(np.multiply(first, decays.waves)), decays)
         error = max(error, _CUT / n)
     if not error <= _CLOSE:
         return None
@@ -112,15 +106,51 @@ def _made(stiffness: Reals, n: int, free_mean: bool, window: Window | None) -> D
         if not free_mean:  # a constant makes up for what the decays have at q = 0
             mean = float(compliance[0] - (_symbols(np.zeros(1), rates, signs)[0] * weights).sum() - white) / n
     white += float(weights.sum())  # sweeps go from node to node
+    return DecayModel(
+        n, compliance / n, np.where(np.isfinite(stiffness), stiffness, 0.0) / n, error, _powers(n, period),
+        np.stack((weights, images)), white, mean, preconditioner, coarser,
+    )  # fmt: skip
+
+
+class _Decays(NamedTuple):
+    """Decays `[decay]` of a period, and the `waves` `[wave]` where they are compared, some of them `fitted`.
+
+    `symbols` are `[wave, decay]`. A body that creeps or wears has another stiffness at each step, but the same decays.
+    """
+
+    rates: Reals
+    signs: Reals
+    waves: Indices
+    fitted: npt.NDArray[np.bool_]
+    symbols: Reals
+
+
+@lru_cache(maxsize=32)  # grids
+def _decays(n: int) -> _Decays:
+    slowest = _SLOWEST * np.pi / n
+    rates = np.concatenate(
+        (np.geomspace(slowest, _FASTEST, _SMOOTH), np.geomspace(_SLOWEST_ALTERNATING, _FASTEST, _ALTERNATING))
+    )
+    signs = np.repeat([1.0, -1.0], [_SMOOTH, _ALTERNATING])
+    order = np.argsort(rates, kind="stable")
+    rates, signs = rates[order], signs[order]
+    half = n // 2
+    near_zero, near_nyquist = np.geomspace(1, half, 2 * _SAMPLES), half + 1 - np.geomspace(1, half, _SAMPLES)
+    sampled = np.unique(np.round(np.concatenate((near_zero, near_nyquist))).astype(np.int64))
+    waves = np.unique(np.concatenate((sampled, (sampled[:-1] + sampled[1:]) // 2)))
+    return _Decays(rates, signs, waves, np.isin(waves, sampled), _symbols(np.pi * waves / n, rates, signs))
+
+
+@lru_cache(maxsize=32)
+def _powers(n: int, period: int) -> Reals:
+    """Decays `[distance, decay]` over all distances below `POWERS`, and over these times each of its powers up to n."""
+    rates, signs, *_ = _decays(period)
     digits, top = [], 1
     while top <= n:
         exponents = top * np.arange(POWERS, dtype=np.float64)
         digits.append(np.exp(-np.outer(exponents, rates)) * np.where(np.outer(exponents % 2, signs < 0), -1.0, 1.0))
         top *= POWERS
-    return DecayModel(
-        n, compliance / n, np.where(np.isfinite(stiffness), stiffness, 0.0) / n, error, np.concatenate(digits),
-        np.stack((weights, images)), white, mean, preconditioner, coarser,
-    )  # fmt: skip
+    return np.concatenate(digits)
 
 
 def _symbols(phase: Reals, rates: Reals, signs: Reals) -> Reals:
@@ -137,19 +167,14 @@ def _offset(compliance: Reals, n: int, rates: Reals, signs: Reals, weights: Real
     return float((kernel[distances[:, 0]] - (decays * weights).sum(axis=1)).mean())
 
 
-def _fit(compliance: Callable[[Indices], Reals], n: int, rates: Reals, signs: Reals) -> tuple[Reals, float, float]:
+def _fit(compliance: Reals, decays: _Decays) -> tuple[Reals, float, float]:
     """Weights of the decays and of the node itself, by least squares of the relative error, and the largest error."""
-    half = n // 2
-    near_zero, near_nyquist = np.geomspace(1, half, 2 * _SAMPLES), half + 1 - np.geomspace(1, half, _SAMPLES)
-    sampled = np.unique(np.round(np.concatenate((near_zero, near_nyquist))).astype(np.int64))
-    index = np.unique(np.concatenate((sampled, (sampled[:-1] + sampled[1:]) // 2)))
-    fitted = np.isin(index, sampled)
-    symbols = _symbols(np.pi * index / n, rates, signs)
-    ratios = np.column_stack((symbols, np.ones(len(index)))) / compliance(index)[:, np.newaxis]
+    symbols, fitted = decays.symbols, decays.fitted
+    ratios = np.column_stack((symbols, np.ones(len(symbols)))) / compliance[:, np.newaxis]
     scale = np.sqrt((ratios[fitted] ** 2).sum(axis=0))
     ridge = _RIDGE * np.eye(scale.size)
     matrix = np.concatenate((ratios[fitted] / scale, ridge))
-    right = np.concatenate((np.ones(fitted.sum()), np.zeros(scale.size)))
+    right = np.concatenate((np.ones(np.count_nonzero(fitted)), np.zeros(scale.size)))
     weights = np.empty(scale.size)
     kernels.least_squares(matrix, right, weights)
     weights /= scale

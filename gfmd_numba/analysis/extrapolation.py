@@ -240,10 +240,7 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
     value = np.concatenate([_parameters(group, fit) for fit in fits])
     variance = np.concatenate([_parameters(group, fit, variances=True) for fit in fits])
     at_an_end = limit_errors.pressed(found, weights)
-    of_each = [
-        limit_errors.extrapolation_errors(index, group, means, choice, at_an_end, limit_errors.is_unusual(choice, each))
-        for choice, each in zip(found, weights, strict=True)
-    ]
+    of_each = [limit_errors.extrapolation_errors(index, group, means, choice, at_an_end) for choice in found]
     by_limit = np.concatenate(of_each) ** 2
     mine = whole.limit_of(index)
     by_rival = max((rival.error(*mine, *other.limit_of(index)) ** 2 for rival, other in others), default=0.0)

@@ -330,32 +330,20 @@ def _was_measured(finest: Reals | float, dimension: int, load: Reals | float) ->
     return (np.asarray(finest) <= _COARSEST[dimension]) & ~is_light(load)
 
 
-def is_unusual(choice: ChoiceOfLaws, weight: Reals) -> bool:
-    """Whether the data press a parameter of a law so far from its usual values that the contacts are others."""
-    for index, parameter in enumerate(choice.parameters):
-        if parameter.usual is not None and weight.sum() > 0.0:
-            found = float(weight @ np.log(choice.nodes[:, index]) / weight.sum())
-            median, factor = np.log(parameter.usual)
-            if abs(found - median) > _SIGNIFICANT * factor:
-                return True
-    return False
-
-
 def extrapolation_errors(
-    index: int, group: Group, means: Means, choice: ChoiceOfLaws, at_an_end: Collection[str], unusual: bool
+    index: int, group: Group, means: Means, choice: ChoiceOfLaws, at_an_end: Collection[str]
 ) -> Reals:
     """Return the standard error of each limit by the distance that its law bridges (node, limit), 0 if not varied.
 
     The error is the whole distance if the data press an exponent against an end of its range, or if a limit of a
-    variable of one sign is nearer to 0 than the distance. It is that of a power if the parameters of the unseen slope
-    are `unusual`, so that nothing was measured of such contacts. Layers add an error to that of eps_t
-    (`layer_error`), and short periods one to that of eps_f (`error_of_few_stretches`).
+    variable of one sign is nearer to 0 than the distance. Layers add an error to that of eps_t (`layer_error`), and
+    short periods one to that of eps_f (`error_of_few_stretches`).
     """
     far = abs(np.nan_to_num(distances(index, means, choice)))
     limit, found = choice.fits[index].coefficients[:, 0], far.copy()
     for column, name in enumerate(LIMITS):
         if name in choice.laws and name not in at_an_end:
-            scales_limit = choice.laws[name].scales_limit and not group.has_thin_layers and not unusual
+            scales_limit = choice.laws[name].scales_limit and not group.has_thin_layers
             scales_limit = scales_limit and bool(_was_measured(means.finest(name), group.dimension, group.load))
             factor = _OF_MEASURED if scales_limit and group.has_measured_slope_law else 1.0
             found[:, column] = factor * extrapolation_error(found[:, column], limit, scales_limit)

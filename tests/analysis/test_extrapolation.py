@@ -25,11 +25,11 @@ def of(levels, law, realisations=30):
     return dataset.assign(kappa=moved).rename(kappa="kappa_r")
 
 
-def unseen(eps_f, times=1.0):
-    """The correction by the unseen slope at H = 0.8 and p* = 0.007, with `times` the usual k_c."""
+def unseen(eps_f):
+    """The correction by the unseen slope at H = 0.8 and p* = 0.007."""
     law = unseen_slope(0.8, 0.007)
     cut, tail = (parameter.middle for parameter in law.parameters)
-    return TFC[0.8] * eps_f.copy(data=law.value(eps_f.values, np.array([[times * cut, tail]]))[0])
+    return TFC[0.8] * eps_f.copy(data=law.value(eps_f.values, np.array([[cut, tail]]))[0])
 
 
 def scattered(dataset, seed):
@@ -107,18 +107,6 @@ def unseen_slope_at_one_period(stretches, correction=0.3):
     return noisy(dataset, np.random.default_rng(0), spread=0.01).assign_coords(has_measured_slope_law=measured)
 
 
-def test_an_unseen_slope_unlike_that_of_measured_contacts_is_as_uncertain_as_a_power():
-    at = []
-    for correction in (unseen, lambda eps: unseen(eps, 1.8)):
-        dataset = noisy(of(COARSE, correction).rename(kappa_r="kappa"), np.random.default_rng(0), spread=0.02)
-        size = dataset.sizes["case"]
-        dataset = dataset.assign_coords(has_measured_slope_law=("case", np.full(size, True)))
-        at.append(fit_tfc(dataset).sel(limit="eps_f"))
-    usual, unusual = ((each["extrapolation_error"] / each["extrapolated"]).item() for each in at)
-    assert usual < 0.05
-    assert unusual == pytest.approx(0.3, rel=0.05)
-
-
 def test_too_few_hills_in_a_period_count_where_eps_t_is_not_varied():
     """Their number scatters, so that kappa is larger, by 1.4 over its square; the fit takes this for the limit's."""
     few, many = (fit_tfc(unseen_slope_at_one_period(stretches)) for stretches in (2.2, 220.0))
@@ -153,7 +141,7 @@ def test_the_law_of_the_unseen_slope_is_off_by_a_small_part_of_the_limit_at_most
     ("load", "less"),
     [
         (0.007, True),
-        pytest.param(0.0009, False, marks=pytest.mark.long),
+        pytest.param(0.0069, False, marks=pytest.mark.long),
         pytest.param(0.4, False, marks=pytest.mark.long),
     ],
 )

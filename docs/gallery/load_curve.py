@@ -15,7 +15,7 @@ scene = {
         "interface": {"hard_wall": {}},
         "loading": {"pressure": "10 MPa"},
     },
-    "discretisation": {"eps_c": 1 / 8, "eps_f": 1 / 64, "eps_t": 1 / 2},
+    "discretisation": {"eps_c": 1 / 16, "eps_f": 1 / 64, "eps_t": 1 / 2},
 }
 loads = ["3 MPa", "10 MPa", "30 MPa", "100 MPa", "300 MPa", "1 GPa"]
 curve = gfmd_numba.load_curve(scene, loads, realisations=8)

@@ -297,8 +297,7 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
     elif omit_nyquist and discretisations(cases):
         cases = cases.isel(case=~at_nyquist(cases["eps_c"].values))
     values = cases[variable].transpose("realisation", "case").values.astype(float)
-    present = np.isfinite(values)
-    asked = _asked(cases)
+    present, asked = np.isfinite(values), _asked(cases)
     n_present, n_run = present.sum(axis=0), (asked & present.any(axis=1, keepdims=True)).sum(axis=0)
     n_excluded = int((asked & ~present).sum())
     # only complete realisations are fitted: a case that mostly failed would leave hardly any

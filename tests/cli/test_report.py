@@ -65,7 +65,7 @@ def folder(undrawn, laws_that_hold, tmp_path_factory):
 OTHERS = {
     "path.nc": "solve path.yaml",
     "broken.nc": "solve broken.yaml",
-    "curve.nc": "curve scene.yaml --loads 0.01:0.1:3",
+    "curve.nc": "curve scene.yaml --loads 0.05:0.2:3",
     "fit.nc": "fit small",
 }
 

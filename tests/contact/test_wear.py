@@ -227,6 +227,6 @@ def test_the_peak_pressure_of_a_punch_that_runs_in_is_that_of_many_steps():
     found = gfmd_numba.solve(file)
     np.testing.assert_allclose(found["peak_pressure"][1:], [31.86e6, 7.850e6, 1.798e6], rtol=1e-2)
     assert 0.0 < float(found["time_error"][-1]) < 0.03
-    assert not found.validity
+    assert all("narrow on this grid" in line for line in found.validity.splitlines())
     found = gfmd_numba.solve(file | {"path": [{"pressure": "2 MPa"}, {"sliding": "1 mm"}]})
     assert found["time_error"][1] == 0.0  # of a step that wears nothing off

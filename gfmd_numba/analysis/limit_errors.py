@@ -282,7 +282,7 @@ _OF_THE_LIMIT = 0.02
 _OF_MEASURED = 0.2  # of this where k_c and m were measured on contacts of the same kind
 # Coarsest finest eps_f for which that is true, by the dimension of the surfaces. From 1/eps_f = 16 and 32 of lines and
 # 16 of maps (H = 0.3 to 0.9) the unseen slope is off by a tenth to a third of the distance, as powers are. So are fits
-# from 1/eps_f = 16 to 256 of lines (H = 0.8, p* = 0.003 and 0.007: limits 4 to 6 % too small, 25 % away)
+# from 1/eps_f = 16 to 256 of lines (H = 0.8, p* = 0.003 and 0.007: limits 4 to 9 % too small, 25 % away)
 _COARSEST = {1: 1 / 512, 2: 1 / 32}
 # Standard error over the limit, for a layer as high as the longest wave of the power law: a thin layer is stiffer for
 # long waves than the half-space that it becomes where eps_t goes to 0, by no law of eps_t. Measured on the same lines
@@ -378,7 +378,7 @@ def _of_short_periods(group: Group) -> float:
         return 0.0
     fewest = np.nanargmin(group.stretches)
     fine = (group.levels["eps_f"][fewest] / _AT_EPS_F[group.dimension]) ** _POWER_OF_EPS_F
-    return min(_OF_STRETCHES / float(group.stretches[fewest] ** 2 * fine), 1.0)
+    return _OF_STRETCHES / max(float(group.stretches[fewest] ** 2 * fine), _OF_STRETCHES)
 
 
 def notes_of_one_period(group: Group, choices: Sequence[ChoiceOfLaws]) -> list[str]:

@@ -38,7 +38,7 @@ def values_as_text(parameter: xr.DataArray, values: Iterable[float]) -> list[str
 
 
 # Reduced pressures at which the limits by the law of the unseen slope were measured. Its k_c was, from 0.001 on, but at
-# 1/eps_t = 8, where it is not that of long periods yet: at p* = 0.003 limits are up to 6 % too small
+# 1/eps_t = 8, where it is not that of long periods yet: at p* = 0.003 limits are up to 9 % too small
 _MEASURED_LOADS = (0.007, 0.3)
 PATH_LOAD = "path_load"  # coordinate of the reduced pressure at one step of a path
 

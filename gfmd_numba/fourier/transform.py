@@ -213,11 +213,7 @@ class Transform:
                 power = kernels.restoring_power(self.waves[0].T, stiffness, 0)
         held = (np.abs(ky) < coarse.shape[0] / 2) & (kx < coarse.shape[1] / 2)
         coarse.waves[0, :, : kx.size] *= np.where(held, 1.0 / self.n, 0.0)
-        if coarse._blocks is None:
-            coarse.inverse(_FIRST)
-        else:
-            coarse._blocks[0].inverse()
-            kernels.count(coarse.n_transforms, _FIRST, 1)
+        coarse.inverse(_FIRST)
         return math.sqrt(power) / self.n
 
     def row(self, i: int) -> "Transform":
@@ -277,32 +273,13 @@ class _Blocks:
         self._along_both(rows, self._waves.shape[1], load, multiply)
         self._back_along_x(rows, read)
 
-    def inverse(self) -> None:
-        """Replace the waves by the samples."""
-        self._prepare()
-        rows = len(self._waves)
-
-        def along_y(worker: int, first: int, last: int) -> None:
-            own = self._workers[worker]
-            for x in range(first * _COLUMNS, min(last * _COLUMNS, self._waves.shape[1]), _COLUMNS):
-                kernels.take_columns(self._waves, rows, x, own.block)
-                own.back_along_y.execute()
-                kernels.put_columns(own.block, x, self._waves, rows)
-
-        team().share(along_y, -(-self._waves.shape[1] // _COLUMNS), self._waves.size)
-        self._back_along_x(rows, None)
-
-    def _prepare(self) -> None:
-        """Give each thread its own memory."""
-        while len(self._workers) < team().size:
-            self._workers.append(_Worker.of(self._waves, self._samples.shape[1], self._lines))
-
     def _along_both(self, rows: int, columns: int, load: OnRows | None, work: Callable[["_Worker", int], None]) -> None:
         """Transform so many rows along x, then some columns after others along y, and do some work with these.
 
         The work is given the worker whose block holds the columns, and the first of them.
         """
-        self._prepare()
+        while len(self._workers) < team().size:
+            self._workers.append(_Worker.of(self._waves, self._samples.shape[1], self._lines))
 
         def along_x(worker: int, first: int, last: int) -> None:
             own = self._workers[worker]

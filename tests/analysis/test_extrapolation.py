@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.analysis import fit_tfc, limit_errors
-from gfmd_numba.analysis.laws import unseen_slope
+from gfmd_numba.analysis.laws import choices, unseen_slope
 from gfmd_numba.analysis.limit_errors import _without, expected_extrapolation_errors, rivals
 from gfmd_numba.analysis.selection import groups_to_fit
 from support.doubts import without_doubts
@@ -116,6 +116,14 @@ def test_too_few_hills_in_a_period_count_where_eps_t_is_not_varied():
     assert ["2.2 stretches" in fit["message"].item() for fit in (few, many)] == [True, False]
 
 
+def test_a_case_that_hardly_ever_touches_may_be_wrong_by_the_whole_value():
+    dataset = unseen_slope_at_one_period(220.0)
+    dataset["n_segments"] = dataset["n_segments"].where(dataset["eps_f"] < 1 / 64, 0.0)
+    fit = fit_tfc(dataset)
+    assert "100% too large" in fit["message"].item()
+    assert fit["kappa_tfc_error"].item() > 0.1
+
+
 def test_nothing_is_known_of_the_unseen_slope_over_layers_that_stay_thin():
     """Long waves meet another stiffness than short ones: k_c is that of the levels, and the error a part of the way."""
     dataset = unseen_slope_at_one_period(220.0, correction=0.0)
@@ -128,6 +136,26 @@ def test_nothing_is_known_of_the_unseen_slope_over_layers_that_stay_thin():
         at = fit.sel(limit="eps_f")
         assert (at["extrapolation_error"] / at["extrapolated"]).item() == pytest.approx(share, rel=0.2)
     assert ["only known from these levels" in fit["message"].item() for fit in (low, high)] == [True, False]
+
+
+@pytest.mark.parametrize("thin", [True, False])
+def test_the_cut_of_the_unseen_slope_is_usual_where_no_layer_stays_thin(thin):
+    dataset = unseen_slope_at_one_period(220.0)
+    height = dataset["eps_t"].values * (0.9 if thin else 1.0)
+    groups = groups_to_fit(dataset.assign_coords(thinnest_layer=("case", height)), "kappa", omit_nyquist=True)
+    cut, _ = choices(["eps_f"], groups, {})[-1]["eps_f"].parameters
+    assert (cut.usual is None) == thin
+
+
+@pytest.mark.parametrize(("coarser", "is_known"), [(4, False), (2, True)])
+def test_the_unseen_slope_is_known_better_from_fine_levels(coarser, is_known):
+    """From 1/eps_f = 512 on; the finest level, which is the reference, has 1024 before all are made coarser."""
+    dataset = campaign(levels={"eps_f": [1 / 64, 1 / 256]}, coefficients={}, realisations=30)
+    dataset = dataset.assign_coords(eps_f=coarser * dataset["eps_f"])
+    dataset = dataset.assign(kappa=dataset["kappa"] + unseen(dataset["eps_f"]))
+    at = fit_tfc(noisy(dataset, np.random.default_rng(0))).sel(limit="eps_f")
+    share = (at["extrapolation_error"] / at["extrapolated"]).item()
+    assert share < 0.15 if is_known else share == pytest.approx(0.3, rel=0.05)
 
 
 def test_the_law_of_the_unseen_slope_is_off_by_a_small_part_of_the_limit_at_most():

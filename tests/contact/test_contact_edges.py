@@ -156,7 +156,7 @@ def test_the_area_of_a_mirrored_profile_is_as_uncertain_as_that_of_its_field():
     x = np.arange(256) / 256
     heights = sum(np.cos(np.pi * k * x + k * k) / k**1.5 for k in range(1, 40))  # in um
 
-    def relative_error(**keys):
+    def relative_error(heights, **keys):
         roughness = {"method": "measured", "heights": heights, "units": {"z": "um"}, "spacing": "1 um", **keys}
         body = {"youngs_modulus": "100 GPa", "poissons_ratio": 0.3}
         scene = {
@@ -168,13 +168,15 @@ def test_the_area_of_a_mirrored_profile_is_as_uncertain_as_that_of_its_field():
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             found = gfmd_numba.solve({"scene": scene})
-        return float(found["contact_area_fraction_error"] * found["x"].size), int(found["n_segments"])
+        at_nodes, located = (float(found[name]) for name in ("contact_area_fraction_error", "kappa_edges_error"))
+        return at_nodes * found["x"].size, int(found["n_segments"]), located
 
-    of_period, contacts = relative_error(periodic="mirror")
+    of_period, contacts, located = relative_error(heights, periodic="mirror")
     assert contacts >= 2
-    edges = 2 * contacts
-    assert of_period == pytest.approx(2.0 * np.sqrt(edges / 2 / 12.0))
-    of_field, contacts = relative_error()
+    assert of_period == pytest.approx(2.0 * np.sqrt(2 * contacts / 2 / 12.0))
+    twice = np.concatenate((heights, heights[::-1]))  # the same contact, of which nothing says that it is mirrored
+    assert located == pytest.approx(np.sqrt(2.0) * relative_error(twice)[2])
+    of_field, contacts, _ = relative_error(heights)
     assert of_field == pytest.approx(np.sqrt(2 * contacts / 12.0))
 
 

@@ -227,24 +227,6 @@ class MapContact:
         nx, tiles = self.wall.shape[1], self.tiles
         team().share(lambda _, a, b: kernels.take_tiles(image, tiles[a:b], nx, values[a:b]), tiles.size, values.size)
 
-    def close(self, gap: Reals) -> None:
-        """Turn the gap `[y, x]` into the displacement that touches, and put its change into the transform."""
-        memory, (down, across) = self.transform.memory[0], self._level.tiles_each_way
-        memory[len(gap) :] = 0.0
-
-        def some(_: int, first: int, last: int) -> None:
-            nodes, before = slice(first * TILE, last * TILE), first * across
-            here = slice(*np.searchsorted(self.tiles, (before, last * across)))
-            each = self.wall[nodes], gap[nodes], self.contact[here], self.tiles[here] - before, memory[nodes]
-            kernels.close_map(*each)
-
-        team().share(some, down, gap.size)
-
-    def put_tiles(self, image: Reals) -> None:
-        """Put the pressure on the map `[y, x]`, elsewhere left as it is."""
-        nx, tiles, values = self.wall.shape[1], self.tiles, self.pressure
-        team().share(lambda _, a, b: kernels.put_tiles(values[a:b], tiles[a:b], image, nx), tiles.size, values.size)
-
     def _begin_on_tiles(self) -> None:
         """Find the gap on the tiles as well as the compliance between them is known."""
         before = self._level.transforms()
@@ -528,13 +510,13 @@ class TileNewton:
         held = 0.0 < stiffest < np.inf
         mean = float(contact.pressure.sum()) / transform.n
         bound = np.inf if self.certificate.rigid_mean is not None else contact.bound()
-        contact.close(gap)
+        kernels.close_map(contact.wall, gap, contact.contact, contact.tiles, memory)
         if self.certificate.mean_displacement is not None:
             added = float(memory[:ny, :nx].sum()) / transform.n
             self.certificate.mean_displacement[i] = contact.approach + added - (mean / stiffest if held else 0.0)
         borne = self._pressure[i].reshape(ny, nx)
         if bound <= self._residual:
-            contact.put_tiles(borne)
+            kernels.put_tiles(contact.pressure, contact.tiles, borne, nx)
             self._bears[i] = True
             imbalance = 0.0 if held else abs(mean - float(self.load[i]))
             return self.certificate.bounded(i, self.load, bound, float(contact.pressure.max(initial=0.0)), imbalance)
